@@ -143,6 +143,7 @@ fn bench(cache: &Path) -> Result<Bench, Error> {
         yosys: Yosys::find(None)?,
         sta: OpenSta::find()?,
         period: PERIOD,
+        unit_period: None,
         jobs: std::thread::available_parallelism().map_or(1, usize::from),
         cache: cache.to_path_buf(),
     })

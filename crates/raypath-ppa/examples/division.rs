@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         yosys: Yosys::find(None)?,
         sta: OpenSta::find()?,
         period: 12.0,
+        unit_period: None,
         jobs: 2,
         cache: "build/ppa-cache".into(),
     };

@@ -28,6 +28,9 @@ pub struct Bench {
     pub sta: OpenSta,
     /// The clock period for which gates are chosen, in nanoseconds.
     pub period: f64,
+    /// The part of the period for which units are optimised, in nanoseconds; the gates around them are optimised for
+    /// the rest. None: both are optimised for the whole period.
+    pub unit_period: Option<f64>,
     /// The number of programs that may run at a time.
     pub jobs: usize,
     /// The folder of cached results.
@@ -181,6 +184,7 @@ impl Bench {
             buffer: self.library.buffer.clone(),
             load_ff: self.library.load,
             period_ns: self.period,
+            unit_period_ns: self.unit_period,
         }
     }
 

@@ -14,6 +14,7 @@
 //!     yosys: Yosys::find(None)?,
 //!     sta: OpenSta::find()?,
 //!     period: 12.0,
+//!     unit_period: None,
 //!     jobs: 4,
 //!     cache: "build/ppa-cache".into(),
 //! };

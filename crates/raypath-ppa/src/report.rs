@@ -112,6 +112,17 @@ pub struct Setting {
     pub load_ff: f64,
     /// The clock period for which gates were chosen, in nanoseconds.
     pub period_ns: f64,
+    /// The part of it for which units were optimised, if the gates around them were optimised for the rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit_period_ns: Option<f64>,
+}
+
+impl Setting {
+    /// The periods for which gates were chosen: `12 ns`, or `12 ns, of which 8 ns for units`.
+    pub fn periods(&self) -> String {
+        let units = self.unit_period_ns.map(|ns| format!(", of which {ns} ns for units")).unwrap_or_default();
+        format!("{} ns{units}", self.period_ns)
+    }
 }
 
 /// A stage: its registers, and the units and gates before them.

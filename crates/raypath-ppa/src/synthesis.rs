@@ -14,13 +14,23 @@ use std::sync::atomic::AtomicBool;
 impl Bench {
     /// The cache key of a block's netlist.
     pub(crate) fn netlist_key(&self, block: &Block) -> Key {
-        let Self { library, yosys, period, .. } = self;
-        let recipe = recipe::yosys(block, library) + &recipe::abc(*period) + &recipe::constraints(library);
+        let Self { library, yosys, .. } = self;
+        let abc = recipe::abc(self.period_of(block));
+        let recipe = recipe::yosys(block, library) + &abc + &recipe::constraints(library);
         let source = recipe::source(block, library);
         let fan_out = clock_gates::MAX_FAN_OUT.to_string();
         let mut parts = vec![source.as_str(), &recipe, &library.digest, &yosys.version];
         parts.extend(block.has_clock_gates.then_some(fan_out.as_str()));
         Key::new("gates", &parts)
+    }
+
+    /// The period for which the gates of a block are chosen.
+    fn period_of(&self, block: &Block) -> f64 {
+        match self.unit_period {
+            Some(unit_period) if block.is_unit => unit_period,
+            Some(unit_period) => self.period - unit_period,
+            None => self.period,
+        }
     }
 
     /// Synthesises a block. `registers` are those that it may have.
@@ -35,7 +45,7 @@ impl Bench {
         write(&folder.join(recipe::DESIGN), &recipe::source(block, &self.library))?;
         write(&folder.join(recipe::LIBRARY), &self.library.text)?;
         write(&folder.join(recipe::SCRIPT), &recipe::yosys(block, &self.library))?;
-        write(&folder.join(recipe::ABC_SCRIPT), &recipe::abc(self.period))?;
+        write(&folder.join(recipe::ABC_SCRIPT), &recipe::abc(self.period_of(block)))?;
         write(&folder.join(recipe::ABC_CONSTRAINTS), &recipe::constraints(&self.library))?;
         self.yosys.run(folder, recipe::SCRIPT, &block.module, stop)?;
 

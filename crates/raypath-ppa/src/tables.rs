@@ -99,8 +99,11 @@ pub fn summary(report: &Report) -> String {
             slowest.ns, slowest.stage, report.clock_mhz, report.area_period
         ),
         format!(
-            "{} and {}, library {}, gates chosen for {} ns; no placement, no wires, ideal clock.",
-            setting.synthesis, setting.timing, setting.library, setting.period_ns
+            "{} and {}, library {}, gates chosen for {}; no placement, no wires, ideal clock.",
+            setting.synthesis,
+            setting.timing,
+            setting.library,
+            setting.periods()
         ),
     ];
     lines.join("\n")

@@ -171,9 +171,20 @@ fn a_design_is_taken_apart_into_stages_and_kinds() {
         true
     };
     assert_eq!(bench.measure(&[design()], watch).expect("a report"), reports);
-    // Another period needs other gates, and is another measurement.
-    let bench = Bench { period: 6.0, ..bench };
-    assert!(matches!(bench.measure(&[design()], |_| false), Err(Error::Tool(ToolError::Stopped))));
+    // Another period is another measurement. It needs other gates where the period of a block is another one.
+    let mut bench = bench;
+    for (period, unit_period, programs) in
+        [(6.0, None, 3), (9.0, Some(4.0), 2), (9.0, Some(5.0), 2), (10.0, Some(5.0), 1)]
+    {
+        bench = Bench { period, unit_period, ..bench };
+        let mut total = 0;
+        let result = bench.measure(&[design()], |now| {
+            total = now.total;
+            false
+        });
+        assert!(matches!(result, Err(Error::Tool(ToolError::Stopped))), "{result:?}");
+        assert_eq!(total, programs, "{period} ns, {unit_period:?} of it for units");
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use raypath_ppa::tables::{
     areas, comparison, energy_by_kind, energy_by_stage, explored, paths, power_summary, summary, units, workloads,
 };
 use raypath_ppa::{
-    Area, Baseline, DesignPoint, Exploration, Path, Power, Report, Slowest, Stage, StagePower, Step, Units,
+    Area, Baseline, DesignPoint, Exploration, Path, Power, Report, Setting, Slowest, Stage, StagePower, Step, Units,
     WorkloadPower, charts,
 };
 use setting::setting;
@@ -105,6 +105,9 @@ fn tables_show_the_report() {
     {
         assert!(words.contains(part), "{part}: {words}");
     }
+    let divided = Setting { unit_period_ns: Some(5.0), ..setting() };
+    let words = summary(&Report { setting: divided, ..report });
+    assert!(words.contains("gates chosen for 7.5 ns, of which 5 ns for units;"), "{words}");
 }
 
 #[test]

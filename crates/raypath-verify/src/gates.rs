@@ -111,6 +111,7 @@ fn claims(configs: &[Config], proceed: &mut dyn FnMut(Progress) -> bool) -> Resu
         yosys: Yosys::find(None)?,
         sta: OpenSta::find()?,
         period: PERIOD,
+        unit_period: None,
         jobs: pool::ALL_CORES,
         cache: CACHE.into(),
     };

@@ -7,6 +7,7 @@
 
 use crate::Format;
 use crate::units::constants::Constants;
+use crate::units::lookahead;
 use raypath_hdl::Wire;
 
 /// A result before it is rounded.
@@ -70,7 +71,7 @@ impl<'m> Unrounded<'m> {
         let word = word.extend(s + 3).named("unrounded");
         let exact = (!((word & below_half).any() | sticky)).named("exact");
         let filled = (word | below_half).named("filled");
-        let rounded = (filled + m.constant(s + 3, 1)).named("rounded");
+        let rounded = lookahead::increment(filled, "filled").named("rounded");
         let half = m.concat(&[word.lower(s + 2) & lost.lower(s + 2), zero]);
         let tie = exact.replicate(s + 3) & half;
         let kept = (rounded & !lost & !tie).named("kept");

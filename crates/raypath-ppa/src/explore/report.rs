@@ -158,8 +158,11 @@ impl SearchReport {
         let data = json!({
             "summary": self.summary().lines().collect::<Vec<_>>(),
             "setting": format!(
-                "{}, {}, library {}, gates chosen for {} ns",
-                self.setting.synthesis, self.setting.timing, self.setting.library, self.setting.period_ns
+                "{}, {}, library {}, gates chosen for {}",
+                self.setting.synthesis,
+                self.setting.timing,
+                self.setting.library,
+                self.setting.periods()
             ),
             "metrics": metrics.collect::<Vec<_>>(),
             "goals": self.goals,

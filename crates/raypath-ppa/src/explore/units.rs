@@ -52,10 +52,8 @@ impl Bench {
     }
 
     fn unit_key(&self, unit: &str) -> Key {
-        let period = self.period.to_string();
-        Key::new(
-            "unit-area",
-            &[unit, &self.library.digest, &self.yosys.version, &period, &crate::recipe::abc(self.period)],
-        )
+        let period = self.unit_period.unwrap_or(self.period);
+        let (text, abc) = (period.to_string(), crate::recipe::abc(period));
+        Key::new("unit-area", &[unit, &self.library.digest, &self.yosys.version, &text, &abc])
     }
 }

@@ -116,6 +116,7 @@ fn measured(top: &Netlist, text: &Arc<raypath_hdl::Module>, workload: &Workload)
         yosys: Yosys::find(Some(YosysKind::Program)).expect("the package yosys"),
         sta: OpenSta::find().expect("the package opensta"),
         period: 10.0,
+        unit_period: None,
         jobs: 1,
         cache: folder.path().to_path_buf(),
     };

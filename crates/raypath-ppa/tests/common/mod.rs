@@ -10,6 +10,7 @@ pub fn bench(cache: &Path) -> Bench {
         yosys: Yosys::find(Some(YosysKind::Program)).expect("the package yosys"),
         sta: OpenSta::find().expect("the package opensta"),
         period: 5.0,
+        unit_period: None,
         jobs: 2,
         cache: cache.to_path_buf(),
     }

@@ -10,5 +10,6 @@ pub fn setting() -> Setting {
         buffer: "BUF".to_string(),
         load_ff: 10.0,
         period_ns: 7.5,
+        unit_period_ns: None,
     }
 }

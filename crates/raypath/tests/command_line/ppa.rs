@@ -75,13 +75,14 @@ fn wrong_input_is_named_before_any_work() {
     fs::create_dir(folder.join("earlier")).expect("a folder");
     write("earlier/ppa.json", "{\"design\": \"x\"}");
     write("one.fvecs", "\u{1}\0\0\0\0\0\0\0");
-    let cases: [(&[&str], &[&str]); 20] = [
+    let cases: [(&[&str], &[&str]); 21] = [
         (&["ppa", "--liberty", "none.lib"], &["none.lib: cannot read: No such file"]),
         (&["ppa", "--liberty", "broken.lib"], &["broken.lib:2: found '3', expected ':' or '('"]),
         (&["ppa", "--liberty", "bare.lib"], &["bare.lib: no NAND with two inputs in this library"]),
         (&["ppa", "--against", "nowhere"], &["nowhere/ppa.json: cannot read: No such file"]),
         (&["ppa", "--against", "earlier"], &["earlier/ppa.json: missing field `area`", "expected a report"]),
         (&["ppa", "--period", "0"], &["expected nanoseconds"]),
+        (&["ppa", "--unit-period", "12"], &["--unit-period 12: expected less than --period, which is 12"]),
         (&["ppa", "--jobs", "0"], &["expected a whole number from 1 to 65535"]),
         (&["ppa", "--scene", "none.obj"], &["--power"]),
         (&["ppa", "--power", "--unit"], &["'--power' cannot be used with '--unit'"]),

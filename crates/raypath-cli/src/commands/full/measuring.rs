@@ -16,6 +16,10 @@ pub struct BenchArguments {
     /// The clock period for which gates are optimised, in nanoseconds; not a limit
     #[arg(long, default_value_t = 12.0, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
     period: f64,
+    /// The part of the period for which units are optimised, in nanoseconds; the gates around them are optimised for
+    /// the rest [default: the whole period for both]
+    #[arg(long, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
+    unit_period: Option<f64>,
     /// The number of programs that run at a time [default: the number of cores]
     #[arg(long, value_parser = whole(1..=u16::MAX))]
     jobs: Option<u16>,
@@ -57,12 +61,17 @@ impl BenchArguments {
 
     /// The library and the tools.
     pub fn bench(&self) -> Result<Bench, CliError> {
+        if let Some(unit_period) = self.unit_period.filter(|unit_period| *unit_period >= self.period) {
+            let message = format!("--unit-period {unit_period}: expected less than --period, which is {}", self.period);
+            return Err(CliError::unusable(message));
+        }
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         Ok(Bench {
             library: Library::read(&self.liberty)?,
             yosys: Yosys::find(self.yosys)?,
             sta: OpenSta::find()?,
             period: self.period,
+            unit_period: self.unit_period,
             jobs: self.jobs.map_or_else(cores, usize::from),
             cache: self.cache.clone(),
         })
