@@ -2,7 +2,8 @@
 //!
 //! Hardware: rounding toward zero drops bits, rounding away from zero adds one if a dropped bit is set. A carry out of
 //! the fraction steps the exponent, and from the largest number to infinity, because exponent and fraction are one
-//! word. A margin below the last kept place changes what is added to 1 or 2, or subtracts 1. The module is not a unit of its own in area reports, so that it is optimised with the logic around it.
+//! word. A margin below the last kept place changes what is added to 1 or 2, or subtracts 1. The module is not a unit
+//! of its own in area reports, so that it is optimised with the logic around it.
 //!
 //! Tests in `tests/units/narrow.rs` (all numbers of small formats, by exact arithmetic).
 

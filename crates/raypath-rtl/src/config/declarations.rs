@@ -201,9 +201,10 @@ impl Semantics {
     /// Checks that the features can be combined with each other, the rules and the format.
     ///
     /// # Errors
-    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under other rules than `paper`; quantised
-    /// boxes under other rules or with conservative ones; bits of boxes under other rules than `bounds`, or more than the format has; sums that round once under the rules
-    /// `chisel`; exception flags in another format than binary32.
+    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under other rules than `paper`;
+    /// quantised boxes under other rules than `paper`, or conservative ones; bits of boxes under other rules than
+    /// `bounds`, or more than the format has; sums that round once under the rules `chisel`; exception flags in another
+    /// format than binary32.
     pub fn check(self) -> Result<(), Error> {
         let Features { tag, conservative, quantised_boxes, exception_flags, .. } = self.features;
         Features::check_tag(tag)?;
