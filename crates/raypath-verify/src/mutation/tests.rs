@@ -1,5 +1,6 @@
 use super::symbolic::is_equivalent_for_jobs;
 use super::*;
+use raypath_hdl::mutate::Fault;
 use std::time::Duration;
 
 /// The interval of 2,346 killed of 2,359, and its limits.
@@ -90,10 +91,13 @@ fn mutants_proven_equivalent_survive_every_check() {
     let credit = config.control(Control::Credit);
     let all = subjects(&[config, credit]).expect("modules");
     proven_mutants_survive(&choose(&all, 300, 2));
-    // In folded pipelines, most of these faults are at the exit.
+    // In folded pipelines, many of these faults are constants beside the flags of operations that have few.
     let mut folded = subjects(&[config.interval(Interval::Four), credit.interval(Interval::Two)]).expect("modules");
     folded.retain(|subject| subject.module.name() == "raypath_stage_11");
-    proven_mutants_survive(&choose(&folded, 200, 2));
+    let is_beside_flags =
+        |fault: &Fault| ["Constant", "in flags_d"].iter().all(|part| fault.to_string().contains(part));
+    folded.iter_mut().for_each(|subject| subject.faults.retain(is_beside_flags));
+    proven_mutants_survive(&choose(&folded, 12, 2));
 }
 
 fn proven_mutants_survive(mutants: &[Mutant<'_>]) {
