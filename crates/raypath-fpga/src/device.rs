@@ -41,6 +41,11 @@ impl Device {
     pub(crate) fn size(self) -> &'static str {
         ["25k", "45k", "85k"][self as usize]
     }
+
+    /// The number of its multipliers of 18 by 18 bits.
+    pub(crate) fn multipliers(self) -> u64 {
+        [28, 72, 156][self as usize]
+    }
 }
 
 impl Target {

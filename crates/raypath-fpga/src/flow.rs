@@ -1,11 +1,12 @@
 //! From a shell to a bitstream.
 
-use crate::device::Target;
+use crate::device::{Device, Target};
 use crate::netlist;
+use crate::products;
 use crate::report::{Cells, Report};
 use crate::shell::Shell;
 use crate::timing::{self, Timing};
-use raypath_hdl::verilog;
+use raypath_hdl::{Module, verilog};
 use raypath_tools::pool::{self, Progress};
 use raypath_tools::{Cache, Key, MAX_RESULT_BYTES, Nextpnr, ToolError, Yosys, read_within, temporary_folder, write};
 use serde::{Deserialize, Serialize};
@@ -53,6 +54,7 @@ struct Layout {
 /// Names of files in the folders of the programs.
 const DESIGN: &str = "design.sv";
 const SCRIPT: &str = "script.ys";
+const PRODUCTS: &str = "products.v";
 const NETLIST: &str = "netlist.json";
 const REPORT: &str = "report.json";
 const CONFIGURATION: &str = "shell.config";
@@ -102,8 +104,9 @@ impl Flow {
             text += &source.text;
         }
         let top = shell.top.name();
-        let script = script(top);
-        let synthesis_key = Key::new("ecp5-synthesis", &[&text, &script, &self.yosys.version]);
+        let script = Script::new(&shell.top, target.device);
+        let synthesis_key =
+            Key::new("ecp5-synthesis", &[&text, &script.commands, script.map.unwrap_or_default(), &self.yosys.version]);
         let synthesis = match cache.get(&synthesis_key) {
             Some(known) => known,
             None => self.synthesise(&text, &script, top, stop).and_then(|new| kept(&cache, &synthesis_key, new))?,
@@ -129,10 +132,13 @@ impl Flow {
         Ok(Implementation { report, configuration, bitstream })
     }
 
-    fn synthesise(&self, text: &str, script: &str, top: &str, stop: &AtomicBool) -> Result<Synthesis, ToolError> {
+    fn synthesise(&self, text: &str, script: &Script, top: &str, stop: &AtomicBool) -> Result<Synthesis, ToolError> {
         let folder = temporary_folder()?;
         write(&folder.path().join(DESIGN), text)?;
-        write(&folder.path().join(SCRIPT), script)?;
+        write(&folder.path().join(SCRIPT), &script.commands)?;
+        if let Some(map) = script.map {
+            write(&folder.path().join(PRODUCTS), map)?;
+        }
         self.yosys.run(folder.path(), SCRIPT, top, stop)?;
         let netlist = text_of(folder.path(), NETLIST)?;
         Ok(Synthesis { cells: netlist::cells(&netlist, top)?, netlist })
@@ -161,10 +167,25 @@ impl Flow {
 }
 
 /// The commands for Yosys.
-fn script(top: &str) -> String {
-    format!(
-        "read_verilog -sv -DSYNTHESIS {DESIGN}\nhierarchy -check -top {top}\nsynth_ecp5 -top {top} -json {NETLIST}\n"
-    )
+struct Script {
+    commands: String,
+    /// The text of [`PRODUCTS`], if the commands read it.
+    map: Option<&'static str>,
+}
+
+impl Script {
+    /// Products take fewer multipliers if the device has too few of them.
+    fn new(shell: &Module, device: Device) -> Self {
+        let top = shell.name();
+        let map = (products::multipliers(shell) > device.multipliers()).then_some(products::MAP);
+        let mut commands = format!("read_verilog -sv -DSYNTHESIS {DESIGN}\nhierarchy -check -top {top}\n");
+        if map.is_some() {
+            // The operands of a product in the text are as wide as the product.
+            commands += &format!("proc\nflatten\nopt_expr\nwreduce\nopt_clean\ntechmap -map {PRODUCTS}\n");
+        }
+        commands += &format!("synth_ecp5 -top {top} -json {NETLIST}\n");
+        Self { commands, map }
+    }
 }
 
 /// The arguments for nextpnr. Pins are placed freely, and a clock below the aim is no failure. The default router rips

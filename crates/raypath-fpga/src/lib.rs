@@ -23,6 +23,7 @@ mod flow;
 mod frame;
 mod host;
 mod netlist;
+mod products;
 mod report;
 mod shell;
 pub mod tables;

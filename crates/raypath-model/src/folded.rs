@@ -86,11 +86,9 @@ impl Folded {
         }
         let mut waiting = self.at & self.last;
         let mut stop = highest(self.last);
+        // A job at one of these positions has no other job before the next of them.
         while let Some(before) = stop.checked_sub(self.interval) {
-            let between = (1 << stop) - (2 << before);
-            if self.at & between != 0 || waiting >> stop & 1 == 1 {
-                waiting |= self.at & (1 << before);
-            }
+            waiting |= self.at & (waiting >> self.interval) & (1 << before);
             stop = before;
         }
         waiting

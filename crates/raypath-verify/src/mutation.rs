@@ -10,7 +10,7 @@ mod units;
 use crate::{Error, Level, Request, Verdict};
 use mutant::{Mutant, MutantResult, Subject, choose, subjects};
 use raypath_hdl::mutate::replace;
-use raypath_rtl::{Config, Control, Lanes, Multiplier, UnitLatency};
+use raypath_rtl::{Config, Control, Interval, Lanes, Multiplier, UnitLatency};
 use raypath_tools::{ToolError, pool};
 use report::Report;
 use std::path::Path;
@@ -19,11 +19,13 @@ use trial::Trial;
 
 /// The configurations whose modules get faults: the default, and small ones with the modules that it lacks.
 /// `tests/configurations.rs` runs as many jobs on them as mutation does.
-pub const CONFIGS: [Config; 5] = [
+pub const CONFIGS: [Config; 7] = [
     Config::DEFAULT,
     Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit),
     Config::DEFAULT.lanes(Lanes::Two).unit_latency(UnitLatency::Two),
     Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).unit_latency(UnitLatency::Two),
+    Config::DEFAULT.lanes(Lanes::Two).interval(Interval::Four),
+    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).interval(Interval::Two),
     Config::DEFAULT
         .lanes(Lanes::None)
         .control(Control::Credit)

@@ -51,7 +51,7 @@ fn faults_of_a_folded_pipeline_are_found() {
         // A job that enters too early.
         (credit, "raypath: raypath_order", "raypath_credit", "recent_q[1:0]", "2'b0"),
         // A job that moves on while the one before it waits.
-        (skid, "raypath_rounds: ", "raypath_rounds", "at_q[9] | (at_q[10] & ~free_10)", "at_q[9]"),
+        (skid, "raypath_rounds: ", "raypath_rounds", "= ~(at_q[10] & ~free_10)", "= 1'b1"),
         // An opcode that is not loaded.
         (skid, "raypath: raypath_order", "raypath_stage_2", "if (at_1_i)", "if (1'b0)"),
     ] {

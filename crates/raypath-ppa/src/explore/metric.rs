@@ -137,8 +137,13 @@ impl FromStr for Goal {
         let value = value.trim();
         let end = value.find(|c: char| !(c.is_ascii_digit() || ".eE+-".contains(c))).unwrap_or(value.len());
         let (number, unit) = (&value[..end], value[end..].trim());
+        if value.is_empty() {
+            return problem(format!("no number after {relation}"), metric.example().to_string());
+        }
+        // Without a digit, what stands there is no number with a unit.
+        let found = if number.contains(|c: char| c.is_ascii_digit()) { number } else { value };
         let Some(number) = number.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0) else {
-            return problem(format!("'{number}' is not a number from 0 on"), metric.example().to_string());
+            return problem(format!("'{found}' is not a number from 0 on"), metric.example().to_string());
         };
         let Some((_, scale)) = metric.units().iter().find(|(name, _)| *name == unit) else {
             return problem(format!("'{unit}' is not its unit"), metric.example().to_string());
@@ -187,7 +192,10 @@ mod tests {
             ("area<0.6mm2", "area without <=, expected"),
             ("throughput<=1", "throughput without >=, expected 'throughput>=0.5'"),
             ("period<=-1ns", "'-1' is not a number from 0 on, expected 'period<=12ns'"),
-            ("period<=ns", "'' is not a number"),
+            ("period<=ns", "'ns' is not a number from 0 on, expected 'period<=12ns'"),
+            ("area<=x", "'x' is not a number from 0 on, expected 'area<=0.6mm2'"),
+            ("area<=eur", "'eur' is not a number from 0 on"),
+            ("period<= ", "no number after <=, expected 'period<=12ns'"),
             ("visits<=1e999%", "'1e999' is not a number"),
         ];
         for (text, message) in wrong {

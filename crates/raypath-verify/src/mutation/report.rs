@@ -203,6 +203,11 @@ const EXPLANATIONS: &[Explanation] = &[
         fault: &["Constant", "in euclidean_difference_", "top bit"],
         reason: "a masked lane becomes -0 instead of +0, and its square is +0 in both cases",
     },
+    Explanation {
+        module: "raypath_stage_10",
+        fault: &["Constant", "in euclidean_accumulator_state_q", "top bit"],
+        reason: "an accumulator of squares begins with -0 instead of +0, and each sum with it is the same",
+    },
     Explanation { module: "raypath", fault: &["stage_10_", "add_0_sign"], reason: SQUARES },
     Explanation { module: "raypath", fault: &["stage_10_", "add_0_subtract"], reason: SQUARES },
 ];

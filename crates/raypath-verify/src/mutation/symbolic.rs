@@ -8,10 +8,17 @@
 //! each slot of the FIFO; in the last two cases the stage's inputs are arbitrary when the job leaves. Outputs and next
 //! states must be the same functions as without the fault. In the stage itself, with arbitrary registers, everything
 //! that affects control must be the same: enables, resets, handshakes.
+//!
+//! In a folded pipeline the job moves from position to position, and every register takes in each move what it loads
+//! then. Jobs at least an interval away may be anywhere.
+
+mod folded;
 
 use super::logic::{FALSE, Logic, TRUE, Word};
 use super::mutant::Subject;
-use raypath_hdl::{Driver, Module, SignalId};
+use folded::Rounds;
+use raypath_hdl::{Driver, Module, RegisterInfo, SignalId};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Whether the proof shows that a fault changes no job's outcome. It does not apply to faults in units and control, or
@@ -23,15 +30,15 @@ pub fn is_equivalent_for_jobs(subject: &Subject, changed: &Arc<Module>, changed_
     }
     let mut logic = Logic::default();
     datapath.config.kinds().iter().all(|kind| {
-        let mut control =
-            |module: &Arc<Module>| SymbolicJob::new(&mut logic, module, kind.opcode(), None, original.name()).control();
+        let job = Job { opcode: kind.opcode(), path: None, rounds: None, faulty: original.name() };
+        let mut control = |module: &Arc<Module>| SymbolicJob::new(&mut logic, module, job).control();
         if control(original) != control(changed) {
             return false;
         }
+        let rounds = Rounds::new(&datapath.shape);
         slot_paths(original).into_iter().all(|path| {
-            let mut outcome = |top: &Arc<Module>| {
-                SymbolicJob::new(&mut logic, top, kind.opcode(), Some(path), original.name()).outcome()
-            };
+            let job = Job { path: Some(path), rounds, ..job };
+            let mut outcome = |top: &Arc<Module>| SymbolicJob::new(&mut logic, top, job).outcome();
             outcome(&datapath.top) == outcome(changed_top)
         })
     })
@@ -60,8 +67,8 @@ enum SlotPath {
     Slot(u32),
 }
 
-/// A moment of a job's passage through a stage.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A moment of a job's passage through a stage. In a folded pipeline, the first three are those of the last stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Time {
     /// The job is in the registers before the stage; the stage's registers are arbitrary.
     Arriving,
@@ -69,6 +76,22 @@ enum Time {
     Leaving,
     /// The job is in the stage's output registers.
     After,
+    /// In a folded pipeline, the job moves, and has moved so many times before: 0 at the ports.
+    Moving(u32),
+    /// The same, but the job waits.
+    Waiting(u32),
+}
+
+/// The job and its path.
+#[derive(Debug, Clone, Copy)]
+struct Job<'n> {
+    opcode: u64,
+    /// None if registers and instances are arbitrary.
+    path: Option<SlotPath>,
+    /// The positions of a folded pipeline.
+    rounds: Option<Rounds>,
+    /// The module with the fault. In other modules the job passes directly.
+    faulty: &'n str,
 }
 
 /// A module of the hierarchy, by its number, at a moment.
@@ -85,11 +108,7 @@ const OUTSIDE: At = At { scope: 0, time: Time::Arriving };
 struct SymbolicJob<'v> {
     logic: &'v mut Logic,
     scopes: Vec<Scope>,
-    opcode: u64,
-    /// The job's path; none if registers and instances are arbitrary.
-    path: Option<SlotPath>,
-    /// The module with the fault. In other modules the job passes directly.
-    faulty: &'v str,
+    job: Job<'v>,
 }
 
 struct Scope {
@@ -98,26 +117,25 @@ struct Scope {
     /// The scope and the instance that contain this scope.
     parent: Option<(usize, usize)>,
     children: Vec<Option<usize>>,
-    /// The signals' words by moment.
-    words: [Vec<Option<Word>>; 3],
+    words: HashMap<(Time, usize), Word>,
 }
 
 impl<'v> SymbolicJob<'v> {
     /// A job in a module and, if it has a path, in the stages below.
-    fn new(logic: &'v mut Logic, top: &Arc<Module>, opcode: u64, path: Option<SlotPath>, faulty: &'v str) -> Self {
-        let mut job = Self { logic, scopes: Vec::new(), opcode, path, faulty };
-        job.add(top, String::new(), None);
-        job
+    fn new(logic: &'v mut Logic, top: &Arc<Module>, job: Job<'v>) -> Self {
+        let mut new = Self { logic, scopes: Vec::new(), job };
+        new.add(top, String::new(), None);
+        new
     }
 
     /// Adds a module and, if the job passes through, the stages below.
     fn add(&mut self, module: &Arc<Module>, path: String, parent: Option<(usize, usize)>) -> usize {
         let scope = self.scopes.len();
-        let words = [(); 3].map(|()| vec![None; module.signals().len()]);
-        self.scopes.push(Scope { module: module.clone(), path, parent, children: Vec::new(), words });
+        let (module, children, words) = (module.clone(), Vec::new(), HashMap::new());
+        self.scopes.push(Scope { module: module.clone(), path, parent, children, words });
         for (number, instance) in module.instances().iter().enumerate() {
             let path = format!("{}{}.", self.scopes[scope].path, instance.name);
-            let is_entered = self.path.is_some() && !is_unit(&instance.module) && !is_control(&instance.module);
+            let is_entered = self.job.path.is_some() && !is_unit(&instance.module) && !is_control(&instance.module);
             let child = is_entered.then(|| self.add(&instance.module, path, Some((scope, number))));
             self.scopes[scope].children.push(child);
         }
@@ -155,33 +173,41 @@ impl<'v> SymbolicJob<'v> {
         let mut words = Vec::new();
         for scope in 0..self.scopes.len() {
             let module = self.scopes[scope].module.clone();
-            let is_faulty = module.name() == self.faulty;
+            let is_faulty = module.name() == self.job.faulty;
             for port in module.outputs().iter().filter(|port| scope == 0 || is_faulty && port.name == "opcode_o") {
-                let time = if module.is_clocked() && scope != 0 { Time::After } else { Time::Arriving };
-                words.push(self.word(At { scope, time }, port.signal));
+                for time in self.times_of_outputs(&module, scope) {
+                    words.push(self.word(At { scope, time }, port.signal));
+                }
             }
             for register in module.registers().iter().filter(|register| register.reset.is_some()) {
-                words.push(self.next(At { scope, time: Time::Arriving }, register));
+                for time in self.times_of_states(&module) {
+                    words.push(self.next(At { scope, time }, register));
+                }
             }
         }
         words
     }
 
     /// A register's value after the clock edge.
-    fn next(&mut self, at: At, register: &raypath_hdl::RegisterInfo) -> Word {
-        let next = self.word(at, register.next);
-        let Some(enable) = register.enable else { return next };
-        let (enable, held) = (self.word(at, enable), self.word(at, register.signal));
-        self.logic.choose(enable[0], &next, &held)
+    fn next(&mut self, at: At, register: &RegisterInfo) -> Word {
+        let enable = register.enable.map_or(TRUE, |enable| self.word(at, enable)[0]);
+        match enable {
+            TRUE => self.word(at, register.next),
+            FALSE => self.word(at, register.signal),
+            _ => {
+                let (next, held) = (self.word(at, register.next), self.word(at, register.signal));
+                self.logic.choose(enable, &next, &held)
+            }
+        }
     }
 
     fn word(&mut self, at: At, id: SignalId) -> Word {
-        if let Some(word) = &self.scopes[at.scope].words[at.time as usize][id.index()] {
+        if let Some(word) = self.scopes[at.scope].words.get(&(at.time, id.index())) {
             return word.clone();
         }
         let module = self.scopes[at.scope].module.clone();
         let word = self.driven(at, &module, id);
-        self.scopes[at.scope].words[at.time as usize][id.index()] = Some(word.clone());
+        self.scopes[at.scope].words.insert((at.time, id.index()), word.clone());
         word
     }
 
@@ -260,11 +286,15 @@ impl<'v> SymbolicJob<'v> {
 
     fn register(&mut self, at: At, module: &Module, register: usize) -> Word {
         let info = &module.registers()[register];
+        if let (Time::Moving(moves) | Time::Waiting(moves), None) = (at.time, info.reset) {
+            return self.after_moves(at.scope, info, moves);
+        }
         let loads_at = match (at.time, self.path_through(module)) {
             (Time::Arriving, _) => None,
             (Time::Leaving, _) => Some(Time::Arriving),
             (Time::After, SlotPath::Direct) => Some(Time::Arriving),
             (Time::After, SlotPath::Spare | SlotPath::Slot(_)) => Some(Time::Leaving),
+            (Time::Moving(_) | Time::Waiting(_), _) => None,
         };
         if let Some(before) = loads_at.filter(|_| info.reset.is_none()) {
             let loads = info.enable.is_none_or(|enable| self.word(At { time: before, ..at }, enable) == [TRUE]);
@@ -272,9 +302,16 @@ impl<'v> SymbolicJob<'v> {
                 return self.word(At { time: before, ..at }, info.next);
             }
         }
-        // A register with reset holds its state from the job's arrival; others hold no part of the job.
-        let time = if info.reset.is_some() { Time::Arriving } else { at.time };
-        let (signal, path) = (module.signal(info.signal), &self.scopes[at.scope].path);
+        // A register with reset holds its state from the job's arrival, or in a folded pipeline that of any job; others
+        // hold no part of the job.
+        let is_state = info.reset.is_some() && self.job.rounds.is_none();
+        self.arbitrary(at.scope, info, if is_state { Time::Arriving } else { at.time })
+    }
+
+    /// The arbitrary value of a register.
+    fn arbitrary(&mut self, scope: usize, info: &RegisterInfo, time: Time) -> Word {
+        let Scope { module, path, .. } = &self.scopes[scope];
+        let signal = module.signal(info.signal);
         let name = signal.name.as_deref().unwrap_or_default();
         self.logic.function(format!("register {path}{name} {time:?}"), vec![], signal.width)
     }
@@ -283,12 +320,14 @@ impl<'v> SymbolicJob<'v> {
         let width = module.signal(id).width;
         let position = module.inputs().iter().position(|port| port.signal == id);
         let Some((index, port)) = position.map(|index| (index, &module.inputs()[index])) else { return Word::new() };
-        match (self.scopes[at.scope].parent, at.time) {
-            (Some((parent, instance)), Time::Arriving) => {
+        match (self.scopes[at.scope].parent, self.time_outside(module, at.time)) {
+            (Some((parent, instance)), Some(time)) => {
                 let outside = self.scopes[parent].module.instances()[instance].inputs[index];
-                self.word(At { scope: parent, time: Time::Arriving }, outside)
+                self.word(At { scope: parent, time }, outside)
             }
-            (None, Time::Arriving) if port.name == "opcode_i" => self.logic.constant(width, self.opcode),
+            (None, _) if port.name == "opcode_i" && matches!(at.time, Time::Arriving | Time::Moving(0)) => {
+                self.logic.constant(width, self.job.opcode)
+            }
             _ => {
                 let path = &self.scopes[at.scope].path;
                 self.logic.function(format!("input {path}{} {:?}", port.name, at.time), vec![], width)
@@ -297,7 +336,7 @@ impl<'v> SymbolicJob<'v> {
     }
 
     fn path_through(&self, module: &Module) -> SlotPath {
-        self.path.filter(|_| module.name() == self.faulty).unwrap_or(SlotPath::Direct)
+        self.job.path.filter(|_| module.name() == self.job.faulty).unwrap_or(SlotPath::Direct)
     }
 
     fn output(&mut self, at: At, module: &Module, instance: usize, output: usize) -> Word {
@@ -308,13 +347,17 @@ impl<'v> SymbolicJob<'v> {
             let arguments = info.inputs.iter().flat_map(|&id| self.word(at, id)).collect();
             return self.logic.function(format!("unit {}.{}", info.module.name(), port.name), arguments, width);
         }
-        if let Some(child) = self.scopes[at.scope].children[instance] {
-            let time = if info.module.is_clocked() { Time::After } else { Time::Arriving };
+        let inside = self.scopes[at.scope].children[instance].zip(self.time_inside(&info.module, at.time));
+        if let Some((child, time)) = inside {
             return self.word(At { scope: child, time }, port.signal);
         }
         let path_in_control =
-            self.path.filter(|_| info.module.name() != "raypath_credit").map(|_| self.path_through(module));
-        match path_in_control.and_then(|path| control_value(&port.name, path, at.time)) {
+            self.job.path.filter(|_| info.module.name() != "raypath_credit").map(|_| self.path_through(module));
+        let known = match self.job.rounds {
+            Some(rounds) if !is_exit(module) => rounds.control_value(info.module.name(), &port.name, at.time),
+            _ => path_in_control.and_then(|path| control_value(&port.name, path, at.time)),
+        };
+        match known {
             Some(value) => self.logic.constant(width, value),
             None => {
                 let (path, name) = (&self.scopes[at.scope].path, &info.name);
@@ -329,7 +372,12 @@ fn is_unit(module: &Module) -> bool {
 }
 
 fn is_control(module: &Module) -> bool {
-    matches!(module.name(), "raypath_skid" | "raypath_exit" | "raypath_credit")
+    matches!(module.name(), "raypath_skid" | "raypath_exit" | "raypath_credit" | "raypath_rounds")
+}
+
+/// Whether a module of a folded pipeline is its last stage.
+fn is_exit(module: &Module) -> bool {
+    module.instances().iter().any(|instance| matches!(instance.module.name(), "raypath_skid" | "raypath_exit"))
 }
 
 /// Whether a port belongs to the stages' handshake.
@@ -337,6 +385,7 @@ fn is_handshake(port: &str) -> bool {
     ["valid_i", "valid_o", "ready_i", "ready_o", "opcode_i", "opcode_o", "returned_i"].contains(&port)
         || port.ends_with("_written_i")
         || port.ends_with("_written_o")
+        || folded::position(port).is_some()
 }
 
 /// The output of a stage's control while a job passes; none if the job does not depend on it.

@@ -11,7 +11,7 @@ pub struct Rounds<'a> {
     /// The least number of positions between two jobs.
     pub interval: u32,
     /// The positions at which a job waits for the one before it; none if the exit has a place for every job. The last
-    /// position is one of them.
+    /// position is one of them, and they are an interval apart.
     pub stops: &'a BTreeSet<u32>,
 }
 
@@ -32,14 +32,13 @@ impl Rounds<'_> {
         }
         let mut go: Vec<Option<Wire<'_>>> = vec![None; positions as usize];
         if let Some(ready_after) = ready_after {
-            m.section("A job moves on from these positions if the job before it leaves the positions behind them");
+            // Stops are an interval apart, so a job at one of them has no other job before the next.
+            m.section("A job moves on from these positions if no job waits at the next of them");
             let mut next = ready_after;
             let mut last = positions - 1;
             for &stop in stops.iter().rev() {
                 if stop != last {
-                    let waits = is_at(last) & !next;
-                    let between = (stop + 1..last).map(is_at).reduce(|a, b| a | b);
-                    next = !between.map_or(waits, |between| between | waits);
+                    next = !(is_at(last) & !next);
                     last = stop;
                 }
                 next = next.named(&format!("free_{stop}")).comment("the job here can move on");

@@ -2,7 +2,7 @@
 //! `docs/reference/division.md`. The argument is a cell library, by default Debian's.
 //!
 //! ```sh
-//! cargo run --release -p raypath-ppa --example division -- sky130_fd_sc_hd__tt_025C_1v80.lib.gz
+//! cargo run --release -p raypath-ppa --example division_area -- sky130_fd_sc_hd__tt_025C_1v80.lib.gz
 //! ```
 
 use raypath_float::{DivSqrt, Format};
