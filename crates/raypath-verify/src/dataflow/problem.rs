@@ -69,7 +69,8 @@ impl Problem {
         let format = config.semantics.format;
         let ieee_registers = config.microarchitecture.registers == Encoding::Ieee;
         let is_narrow = matches!(config.semantics.rules, Rules::Bounds(_));
-        let positive_nans = ieee_registers || is_narrow || pipeline.has_added;
+        let has_quantised = config.semantics.features.quantised_boxes || pipeline.has_added;
+        let positive_nans = ieee_registers || is_narrow || has_quantised;
         let units = Units { design, format, ieee_registers, positive_nans };
         let outcome = outcome(operation, &mut script, units, &values);
         let mut expected = outcome.outputs;
