@@ -57,8 +57,13 @@ const SCRIPT: &str = "script.ys";
 const PRODUCTS: &str = "products.v";
 const NETLIST: &str = "netlist.json";
 const REPORT: &str = "report.json";
+const PINS: &str = "pins.lpf";
 const CONFIGURATION: &str = "shell.config";
 const BITSTREAM: &str = "shell.bit";
+
+/// The clock's pin, in the package CABGA381: G2 leads to the clock network. From a pin that nextpnr chooses freely, the
+/// clock sometimes cannot be routed.
+const CLOCK_PIN: &str = "LOCATE COMP \"clk_i\" SITE \"G2\";\nIOBUF PORT \"clk_i\" IO_TYPE=LVCMOS33;\n";
 
 /// Synthesis; place and route; the bitstream.
 const STEPS: u64 = 3;
@@ -114,7 +119,7 @@ impl Flow {
         done.store(1, Ordering::Relaxed);
 
         let arguments = arguments(target);
-        let parts = [synthesis_key.as_str(), &arguments.join(" "), &self.nextpnr.version];
+        let parts = [synthesis_key.as_str(), &arguments.join(" "), CLOCK_PIN, &self.nextpnr.version];
         let layout_key = Key::new("ecp5-layout", &parts);
         let layout = match cache.get(&layout_key) {
             Some(known) => known,
@@ -153,6 +158,7 @@ impl Flow {
     ) -> Result<Layout, ToolError> {
         let folder = temporary_folder()?;
         write(&folder.path().join(NETLIST), netlist)?;
+        write(&folder.path().join(PINS), CLOCK_PIN)?;
         self.nextpnr.run(folder.path(), arguments, design, stop)?;
         let timing = timing::parse(&text_of(folder.path(), REPORT)?)?;
         Ok(Layout { timing, configuration: text_of(folder.path(), CONFIGURATION)? })
@@ -188,10 +194,10 @@ impl Script {
     }
 }
 
-/// The arguments for nextpnr. Pins are placed freely, and a clock below the aim is no failure. The default router rips
-/// up three of four wires of a datapath in binary32 again.
+/// The arguments for nextpnr. Pins but the clock's are placed freely, and a clock below the aim is no failure. The
+/// default router rips up three of four wires of a datapath in binary32 again.
 fn arguments(target: Target) -> Vec<String> {
-    let files = ["--json", NETLIST, "--report", REPORT, "--textcfg", CONFIGURATION];
+    let files = ["--json", NETLIST, "--lpf", PINS, "--report", REPORT, "--textcfg", CONFIGURATION];
     let options = ["--detailed-timing-report", "--lpf-allow-unconstrained", "--timing-allow-fail", "--quiet"];
     let router = ["--router", "router2"];
     let fixed = files.into_iter().chain(options).chain(router).map(str::to_string);

@@ -33,10 +33,10 @@ fn every_claim_is_proved_and_its_fault_found() {
     };
     let verdict = unit_proofs(&mut Request::new(&mut watch)).unwrap();
     assert_eq!(verdict.failures, [""; 0]);
-    assert!(verdict.covered.starts_with("12 proofs, and as many faults refuted: "), "{}", verdict.covered);
+    assert!(verdict.covered.starts_with("20 proofs, and as many faults refuted: "), "{}", verdict.covered);
     // The programs' versions, and a fault for each proof.
-    assert_eq!(verdict.remarks.len(), 13, "{:#?}", verdict.remarks);
-    assert!(!verdict.is_stopped && steps.contains(&12));
+    assert_eq!(verdict.remarks.len(), 21, "{:#?}", verdict.remarks);
+    assert!(!verdict.is_stopped && steps.contains(&20));
 }
 
 #[test]

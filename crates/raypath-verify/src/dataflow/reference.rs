@@ -51,13 +51,13 @@ pub(super) fn outcome<O: Operation>(
     let (output, next) = operation.run(c, input, state);
 
     let mut outcome = Outcome::default();
-    let mut write = |field: Field<'_>, value: Term, is_number: bool| {
+    let mut write = |field: Field<'_>, value: Term, bits: Option<u32>| {
         if !operation.has_output(field.name) {
             return;
         }
         let mut script = made.script.borrow_mut();
         let width = values.output_width(field.name).unwrap_or(value.width);
-        let value = if is_number { units.decoded(&mut script, value, width) } else { value };
+        let value = bits.map_or(value, |bits| units.decoded(&mut script, value, bits, width));
         // The bits of a port come in order, the lowest first.
         match outcome.outputs.get_mut(field.name).filter(|_| field.bit.is_some()) {
             Some(low) => *low = script.operator(low.width + 1, "concat", &[value, *low]),
@@ -203,6 +203,10 @@ impl Circuit for Terms<'_, '_, '_> {
     }
     fn multiply(self, a: Number, b: Number) -> Number {
         let product = self.binary("mul", a, b, "product");
+        for [a, b] in [[a, b], [b, a]] {
+            let script = &mut self.made.script.borrow_mut();
+            self.made.units.product_by_short(script, a.term, (b.term, b.bits), product);
+        }
         Number { factors: Some((a.term, b.term)), ..self.number(product) }
     }
     fn negate(self, a: Number) -> Number {
@@ -232,7 +236,8 @@ impl Circuit for Terms<'_, '_, '_> {
         }
     }
     fn number_of(self, width: u32, word: Term) -> Number {
-        self.number(self.converted(Conversion::Number(width), word))
+        let bits = width.min(self.made.units.format.significand());
+        Number { bits, ..self.number(self.converted(Conversion::Number(width), word)) }
     }
     fn test(self, test: Test, a: Number) -> Term {
         let (sign, class) = self.sign_and_class(a.term);
@@ -311,17 +316,17 @@ impl<'m, 's, 'd> Source<Terms<'m, 's, 'd>> for TermSource<'_, 'm, 's, 'd> {
     }
 }
 
-/// A sink of values, with whether each is a number.
-struct TermSink<'a>(&'a mut dyn FnMut(Field<'_>, Term, bool));
+/// A sink of values, with the bits of the significand of a number.
+struct TermSink<'a>(&'a mut dyn FnMut(Field<'_>, Term, Option<u32>));
 
 impl<'m, 's, 'd> Sink<Terms<'m, 's, 'd>> for TermSink<'_> {
     fn num(&mut self, field: Field<'_>, value: Num<Terms<'m, 's, 'd>>) {
-        (self.0)(field, value.value.term, true);
+        (self.0)(field, value.value.term, Some(value.value.bits));
     }
     fn bit(&mut self, field: Field<'_>, value: Bit<Terms<'m, 's, 'd>>) {
-        (self.0)(field, value.value, false);
+        (self.0)(field, value.value, None);
     }
     fn word(&mut self, field: Field<'_>, _width: u32, value: Term) {
-        (self.0)(field, value, false);
+        (self.0)(field, value, None);
     }
 }

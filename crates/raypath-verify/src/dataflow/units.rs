@@ -62,6 +62,16 @@ impl Units<'_> {
         }
     }
 
+    /// What is known of a multiplier by a short factor of `bits` bits, `b`: its product is that of the full one.
+    pub fn product_by_short(&self, script: &mut Script, a: Term, (b, bits): (Term, u32), product: Term) {
+        let stem = format!("raypath_fp_mul_{}_by_s{bits}", self.layout());
+        let modules = self.modules(|module| module == stem || module.starts_with(&format!("{stem}_part_")));
+        let short = script.slice(b, b.width - 1, self.format.significand() - bits);
+        if let Some(by_short) = self.chain(script, &modules, &[("a", a), ("b", short)], "product") {
+            script.assume(&format!("(= {by_short} {product})"));
+        }
+    }
+
     /// The results of a comparison: less, equal, unordered. The unit reads `bits` bits of the significands, if there is
     /// such a unit.
     pub fn compare(&self, script: &mut Script, a: Term, b: Term, bits: u32) -> [Term; 3] {
@@ -99,13 +109,23 @@ impl Units<'_> {
         encoded
     }
 
-    /// A recoded number as it is at a port of this width.
-    pub fn decoded(&self, script: &mut Script, value: Term, width: u32) -> Term {
+    /// A recoded number of `bits` bits as it is at a port of this width. A decoder of short numbers gives what the full
+    /// one does, without the zeros below.
+    pub fn decoded(&self, script: &mut Script, value: Term, bits: u32, width: u32) -> Term {
         if value.width == width {
             return value;
         }
         let decoded = self.apply(script, "decode", &[("recoded", value)], "ieee");
-        decoded.unwrap_or_else(|| script.free(width))
+        let decoded = decoded.unwrap_or_else(|| script.free(width));
+        let dropped = self.format.significand() - bits;
+        let name = format!("raypath_fp_decode_e{}s{bits}", self.format.exponent());
+        let modules = self.modules(|module| module == name && dropped > 0);
+        let short = script.slice(value, value.width - 1, dropped);
+        if let Some(short) = self.chain(script, &modules, &[("recoded", short)], "ieee") {
+            let zeros = script.constant(dropped, 0);
+            script.assume(&format!("(= {decoded} (concat {short} {zeros}))"));
+        }
+        decoded
     }
 
     /// What is known of the conversions of a constant.
@@ -151,7 +171,7 @@ impl Units<'_> {
              (and (bvuge {magnitude} {least}) (bvule {magnitude} {greatest}) (distinct {class} #b000)))"
         ));
         if self.ieee_registers {
-            let ieee = self.decoded(script, result, self.format.ieee_width());
+            let ieee = self.decoded(script, result, self.format.significand(), self.format.ieee_width());
             let again = self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(result);
             script.assume(&format!("(= {again} {result})"));
             self.are_alike(script, ieee, result);
