@@ -44,7 +44,7 @@ pub(super) fn all(level: Level, seed: u64) -> Vec<Subject> {
         plain(small.interval(Interval::Four).io(Encoding::Recoded)),
         plain(small.unit_latency(UnitLatency::Three).sharing(Sharing::Segregated).clock_gating(true)),
         plain(small.units(UnitSharing::Disjoint).exception_flags(true).accumulators(Accumulators::Four)),
-        plain(features.multiplier(Multiplier::Inferred)),
+        plain(features.multiplier(Multiplier::Inferred).exception_flags(true).unit_latency(UnitLatency::Two)),
         plain(small.lanes(Lanes::None).rules(Rules::Bounds(BoxBits::DEFAULT))),
         Subject { config: small, added: Some(quantised_box::QuantisedBox::NAME) },
     ];

@@ -231,7 +231,8 @@ impl Units<'_> {
     /// The modules of a unit of the format, whole or in parts.
     fn named(&self, stem: &str) -> Vec<(&str, &UnitModule)> {
         let layout = self.layout();
-        let whole = ["", "_flags", "_inferred"].map(|variant| format!("raypath_fp_{stem}{variant}_{layout}"));
+        let variants = ["", "_flags", "_inferred", "_inferred_flags"];
+        let whole = variants.map(|variant| format!("raypath_fp_{stem}{variant}_{layout}"));
         self.modules(|module| {
             whole.iter().any(|whole| module == whole || module.starts_with(&format!("{whole}_part_")))
         })
