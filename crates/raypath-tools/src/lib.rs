@@ -1,9 +1,9 @@
 //! External programs: how they are found, run and stopped, and how their results are cached.
 //!
 //! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] and
-//! [`Z3`] prove.
-//! [`Verilated`] is SystemVerilog compiled by Verilator, an implementation of the language that is independent of
-//! `raypath-hdl`'s simulator, so that the two can be compared cycle by cycle. [`Sources::lint`] runs the linters.
+//! [`SmtSolver`] prove. [`Verilated`] is SystemVerilog compiled by Verilator, an implementation of the language that is
+//! independent of `raypath-hdl`'s simulator, so that the two can be compared cycle by cycle. [`Sources::lint`] runs the
+//! linters.
 //!
 //! Every function reports a missing program, a failure or an unexpected result as a [`ToolError`].
 //!
@@ -41,12 +41,12 @@ pub mod parts;
 #[cfg(feature = "pool")]
 pub mod pool;
 mod program;
+mod smt;
 mod sources;
 mod verilator;
 mod verilator_main;
 mod verilator_stream;
 mod yosys;
-mod z3;
 
 pub use abc::Abc;
 #[cfg(feature = "cache")]
@@ -59,7 +59,7 @@ pub use lint::{lint_slang, lint_verilator, lint_yosys};
 pub use nextpnr::Nextpnr;
 pub use opensta::OpenSta;
 pub use program::Program;
+pub use smt::SmtSolver;
 pub use sources::Sources;
 pub use verilator::{Options, Verilated, VerilatedStream};
 pub use yosys::{Yosys, YosysKind};
-pub use z3::Z3;

@@ -18,16 +18,17 @@ mod unrolled;
 pub use subjects::Subject;
 
 use crate::control::{ModuleTexts, TextFault};
-use crate::{Error, Request, Verdict};
+use crate::{Error, Level, Request, Verdict};
 use conversion::Conversion;
 use design::Design;
 use problem::Problem;
 use raypath_float::Format;
 use raypath_hdl::{verilog, with_enables};
 use raypath_rtl::Datapath;
-use raypath_tools::{ToolError, Yosys, YosysKind, Z3, pool, read, temporary_folder, write};
+use raypath_tools::{SmtSolver, ToolError, Yosys, YosysKind, pool, read, temporary_folder, write};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -43,8 +44,12 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let shard = request.shard;
     let work: Vec<_> = faults.into_iter().chain(proofs).filter(|(number, ..)| shard.takes(*number)).collect();
     let mut is_stopped = false;
+    let has_second_opinion = request.level > Level::Regression;
     let shards = request.parts.phase(|| {
-        let prover = DataflowProver::find()?;
+        let mut prover = DataflowProver::find()?;
+        if has_second_opinion {
+            prover = prover.with_second_opinion()?;
+        }
         let run = |(_, subject, fault): &(u64, Subject, Option<TextFault>), stop: &AtomicBool| {
             prover.prove(subject, *fault, stop)
         };
@@ -57,7 +62,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
         Ok::<BTreeMap<u64, (Tried, Option<String>)>, Error>(results.collect())
     })?;
     let mut failures = Vec::new();
-    let (mut proved, mut configurations, mut refuted) = (0, 0, 0);
+    let (mut proved, mut confirmed, mut configurations, mut refuted) = (0, 0, 0, 0);
     for (Tried { subject, proved: result }, fault) in shards.into_iter().flatten().map(|(_, result)| result) {
         match (fault, result.failures.is_empty()) {
             (Some(_), false) => refuted += 1,
@@ -65,14 +70,17 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
             (None, _) => {
                 configurations += 1;
                 proved += result.problems;
+                confirmed += result.confirmed;
                 failures.extend(result.failures.into_iter().map(|failure| format!("{subject}: {failure}")));
             }
         }
     }
     failures.truncate(FAILURES_SHOWN);
-    let covered = format!(
-        "{proved} operations and conversions of {configurations} configurations proved, {refuted} faults refuted"
-    );
+    let mut covered = format!("{proved} operations and conversions of {configurations} configurations proved, ");
+    if has_second_opinion {
+        covered += &format!("{confirmed} of them also by Bitwuzla, ");
+    }
+    covered += &format!("{refuted} faults refuted");
     Ok(Verdict { covered, failures, is_stopped, ..Verdict::default() })
 }
 
@@ -117,17 +125,20 @@ struct Tried {
 /// The result of a configuration: how many problems it has, and what was not proved.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Proved {
-    /// Operations, and units of one operand with a definition.
+    /// The proved operations, and units of one operand with a definition.
     pub problems: usize,
+    /// How many of these the second solver proved too.
+    pub confirmed: usize,
     /// What is not proved, a line each.
     pub failures: Vec<String>,
 }
 
-/// Yosys and Z3.
+/// Yosys and Z3, and Bitwuzla as a second opinion.
 #[derive(Debug)]
 pub struct DataflowProver {
     yosys: Yosys,
-    z3: Z3,
+    z3: SmtSolver,
+    second: Option<SmtSolver>,
 }
 
 /// The commands that take the units out of a text and write the rest. The words of memories become registers.
@@ -144,7 +155,15 @@ impl DataflowProver {
     /// # Errors
     /// One is missing.
     pub fn find() -> Result<Self, Error> {
-        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, z3: Z3::find()? })
+        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, z3: SmtSolver::z3()?, second: None })
+    }
+
+    /// Also finds Python's module `bitwuzla`, which repeats each proof.
+    ///
+    /// # Errors
+    /// It is missing.
+    pub fn with_second_opinion(self) -> Result<Self, Error> {
+        Ok(Self { second: Some(SmtSolver::bitwuzla()?), ..self })
     }
 
     /// Proves all operations of a configuration; none if `stop` is set meanwhile. With a fault in the text, up to the
@@ -181,9 +200,15 @@ impl DataflowProver {
         for conversion in conversions {
             problems.extend(self.conversion(&datapath, subject.config.semantics.format, conversion, stop)?);
         }
-        let mut proved = Proved { problems: problems.len(), ..Proved::default() };
+        let mut proved = Proved::default();
         for problem in &problems {
-            proved.failures.extend(self.failure(problem, stop)?);
+            match self.answer(problem, stop)? {
+                Answer::Proved { is_confirmed } => {
+                    proved.problems += 1;
+                    proved.confirmed += usize::from(is_confirmed);
+                }
+                Answer::Failed(why) => proved.failures.push(why),
+            }
             // One operation is enough to refute a fault.
             if fault.is_some() && !proved.failures.is_empty() {
                 break;
@@ -219,25 +244,44 @@ impl DataflowProver {
         Design::read(&text("design.btor")?, &text("flat.json")?, top)
     }
 
-    /// Why a problem is not proved.
-    fn failure(&self, problem: &Problem, stop: &AtomicBool) -> Result<Option<String>, Error> {
+    /// Asks Z3, and the second solver if there is one. That solver may give no answer in time, but no other one.
+    fn answer(&self, problem: &Problem, stop: &AtomicBool) -> Result<Answer, Error> {
         let folder = temporary_folder()?;
-        let run = |scripts: &[String]| self.z3.run(folder.path(), scripts, LIMIT, stop);
+        let questions = problem.questions();
         let name = &problem.name;
-        let Some(answers) = run(&problem.questions())? else {
-            return Ok(Some(format!("{name}: no answer within {} s", LIMIT.as_secs())));
+        let failed = |why: String| Ok(Answer::Failed(format!("{name}: {why}")));
+        let Some(answers) = self.z3.run(folder.path(), &questions, LIMIT, stop)? else {
+            return failed(format!("no answer within {} s", LIMIT.as_secs()));
         };
-        Ok(match answers.split_whitespace().collect::<Vec<_>>()[..] {
-            ["sat", "unsat"] => None,
-            ["sat", "sat"] => {
-                let (script, names) = problem.differences();
-                let answer = run(&[script])?.unwrap_or_default();
-                let differs = |number: usize| answer.contains(&format!("(d{number} true)"));
-                let differ: Vec<&str> =
-                    (0..).zip(names).filter(|(number, _)| differs(*number)).map(|(_, n)| n).collect();
-                Some(format!("{name}: {} can differ from the operation's", differ.join(", ")))
+        match answers.split_whitespace().collect::<Vec<_>>()[..] {
+            ["sat", "unsat"] => {}
+            ["sat", "sat"] => return failed(self.differences(problem, folder.path(), stop)?),
+            _ => return failed(format!("Z3 answered '{}'", answers.trim())),
+        }
+        let Some(second) = &self.second else { return Ok(Answer::Proved { is_confirmed: false }) };
+        match second.run(folder.path(), &questions, LIMIT, stop)? {
+            None => Ok(Answer::Proved { is_confirmed: false }),
+            Some(answers) if answers.split_whitespace().eq(["sat", "unsat"]) => {
+                Ok(Answer::Proved { is_confirmed: true })
             }
-            _ => Some(format!("{name}: Z3 answered '{}'", answers.trim())),
-        })
+            Some(answers) => failed(format!("Z3 proves it, but {} answered '{}'", second.version, answers.trim())),
+        }
     }
+
+    /// What can differ, in words.
+    fn differences(&self, problem: &Problem, folder: &Path, stop: &AtomicBool) -> Result<String, Error> {
+        let (script, names) = problem.differences();
+        let answer = self.z3.run(folder, &[script], LIMIT, stop)?.unwrap_or_default();
+        let differs = |number: usize| answer.contains(&format!("(d{number} true)"));
+        let differ: Vec<&str> = (0..).zip(names).filter(|(number, _)| differs(*number)).map(|(_, n)| n).collect();
+        Ok(format!("{} can differ from the operation's", differ.join(", ")))
+    }
+}
+
+/// The answer of the solvers to a problem.
+enum Answer {
+    /// Proved; also by the second solver, if there is one and it came to an end.
+    Proved { is_confirmed: bool },
+    /// Not proved, and why.
+    Failed(String),
 }

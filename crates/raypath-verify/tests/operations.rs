@@ -9,7 +9,7 @@ static GO: AtomicBool = AtomicBool::new(false);
 
 /// What is not proved of a configuration with a fault.
 fn failures(config: Config, fault: Option<TextFault>) -> Vec<String> {
-    let subject = Subject { config, added: None };
+    let subject = Subject::from(config);
     let proved = DataflowProver::find().expect("pyosys and z3").prove(&subject, fault, &GO).expect("programs that run");
     proved.expect("no stop").failures
 }

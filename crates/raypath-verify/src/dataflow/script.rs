@@ -17,6 +17,9 @@ impl std::fmt::Display for Term {
     }
 }
 
+/// The bits of a weight.
+const WEIGHT: u32 = 32;
+
 /// Definitions in the order in which they were made. Equal expressions are one term.
 #[derive(Debug, Default)]
 pub(crate) struct Script {
@@ -51,6 +54,19 @@ impl Script {
         self.functions.entry(function.to_string()).or_insert((widths, width));
         let operands: String = operands.iter().map(|operand| format!(" {operand}")).collect();
         self.define(width, format!("(|{function}|{operands})"))
+    }
+
+    /// The value of a function that may be any function which does not depend on the order of its operands.
+    ///
+    /// It is a function of the sum of the operands' weights, which are any function of an operand. That is no
+    /// restriction: a script has a few hundred lists of operands at most, and for random weights the probability that two
+    /// different lists have the same sum is less than 2^-[`WEIGHT`] times the number of pairs of lists, times their
+    /// length. So there are weights for which all sums differ.
+    pub fn apply_to_all(&mut self, function: &str, operands: &[Term], width: u32) -> Term {
+        let weight = format!("weight of {function}");
+        let weights: Vec<Term> = operands.iter().map(|&operand| self.apply(&weight, &[operand], WEIGHT)).collect();
+        let sum = self.operator(WEIGHT, "bvadd", &weights);
+        self.apply(function, &[sum], width)
     }
 
     /// A condition that holds.

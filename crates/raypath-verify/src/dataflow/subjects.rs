@@ -10,7 +10,7 @@ use raypath_ops::operations::{NAMES, key_compare, octbox, point_in_box, quantise
 use raypath_ops::{BoxBits, Culling, Operation, Rounding, Rules};
 use raypath_rtl::{
     Accumulators, Config, Control, Datapath, Encoding, Interval, Lanes, Multiplier, OperationVisitor, Operations,
-    PRESETS, Sharing, UnitLatency, UnitSharing,
+    PRESETS, Semantics, Sharing, UnitLatency, UnitSharing,
 };
 use std::fmt;
 
@@ -21,21 +21,31 @@ pub struct Subject {
     pub config: Config,
     /// The name of the added operation.
     pub added: Option<&'static str>,
+    /// The elaborator assigns all stages.
+    pub is_scheduled: bool,
+}
+
+impl From<Config> for Subject {
+    fn from(config: Config) -> Self {
+        Self { config, ..Self::default() }
+    }
 }
 
 impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.config)?;
-        self.added.map_or(Ok(()), |added| write!(f, " with {added}"))
+        self.added.map_or(Ok(()), |added| write!(f, " with {added}"))?;
+        if self.is_scheduled { f.write_str(", automatic stages") } else { Ok(()) }
     }
 }
 
 /// The subjects of a level.
 ///
 /// Regression: some presets and representatives of the parameters. Full: all presets, every value of every parameter,
-/// all features, all added operations, and a random sample.
+/// all features, all added operations, automatic stages, and a random sample.
 pub(super) fn all(level: Level, seed: u64) -> Vec<Subject> {
-    let plain = |config| Subject { config, added: None };
+    let plain = Subject::from;
+    let with = |config, added| Subject { config, added: Some(added), is_scheduled: false };
     let small = Config::DEFAULT.lanes(Lanes::Two);
     let features = small.barycentrics(true).culling(Culling::None).facing(true).range(true).tag(7);
     let mut subjects = vec![
@@ -46,29 +56,44 @@ pub(super) fn all(level: Level, seed: u64) -> Vec<Subject> {
         plain(small.units(UnitSharing::Disjoint).exception_flags(true).accumulators(Accumulators::Four)),
         plain(features.multiplier(Multiplier::Inferred).exception_flags(true).unit_latency(UnitLatency::Two)),
         plain(small.lanes(Lanes::None).rules(Rules::Bounds(BoxBits::DEFAULT))),
-        Subject { config: small, added: Some(quantised_box::QuantisedBox::NAME) },
+        with(small, quantised_box::QuantisedBox::NAME),
     ];
     if level == Level::Regression {
         return subjects;
     }
     subjects.extend(PRESETS.iter().map(|preset| plain(preset.config)));
-    subjects.extend(NAMES.iter().map(|name| Subject { config: small, added: Some(name) }));
+    subjects.extend(NAMES.iter().map(|name| with(small, name)));
+    let scheduled = [Config::DEFAULT, small.rules(Rules::Chisel), features.control(Control::Credit)];
+    subjects.extend(scheduled.map(|config| Subject { is_scheduled: true, ..plain(config) }));
     subjects
         .extend([small.conservative(true), small.barycentrics(true), small.facing(true), small.range(true)].map(plain));
     subjects.extend(Accumulators::ALL.iter().map(|&accumulators| plain(small.accumulators(accumulators))));
-    subjects.push(plain(Config::DEFAULT.lanes(Lanes::None).rounding(Rounding::Sum)));
+    subjects.extend([Lanes::Four, Lanes::Sixteen].map(|lanes| plain(small.lanes(lanes).rounding(Rounding::Sum))));
     subjects.extend(Interval::ALL.iter().map(|&interval| plain(Config::DEFAULT.interval(interval))));
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
-    let sample = std::iter::repeat_with(|| sampled(random)).filter(|config| config.check().is_ok());
-    subjects.extend(sample.take(level.pick(0, SAMPLE, 4 * SAMPLE)).map(plain));
+    let sample = std::iter::repeat_with(|| sampled(random)).filter(|subject| subject.config.check().is_ok());
+    subjects.extend(sample.take(level.pick(0, SAMPLE, 4 * SAMPLE)));
     subjects
 }
 
 /// Random configurations at level full.
 const SAMPLE: usize = 200;
 
-/// A configuration in which every parameter has a random value. It may be none that can be built.
-fn sampled(random: &mut ChaCha8Rng) -> Config {
+/// A configuration in which every parameter has a random value; one in five has an added operation, with the default
+/// operations beside it, and one in five automatic stages. It may be none that can be built.
+fn sampled(random: &mut ChaCha8Rng) -> Subject {
+    let config = sampled_config(random);
+    match random.random_range(0..5) {
+        0 => {
+            let config = Config { semantics: Config::DEFAULT.lanes(Lanes::Two).semantics, ..config };
+            Subject { added: Some(NAMES[random.random_range(0..NAMES.len())]), ..config.into() }
+        }
+        1 => Subject { is_scheduled: true, ..config.into() },
+        _ => config.into(),
+    }
+}
+
+fn sampled_config(random: &mut ChaCha8Rng) -> Config {
     fn one<T: Copy>(random: &mut ChaCha8Rng, values: &[T]) -> T {
         values[random.random_range(0..values.len())]
     }
@@ -103,10 +128,17 @@ impl Subject {
     /// # Errors
     /// It cannot be elaborated.
     pub(super) fn elaborate(&self) -> Result<Datapath, Error> {
-        let Some(name) = self.added else { return Ok(Datapath::new(self.config)?) };
-        let mut operations = Operations::new().format(self.config.semantics.format);
+        if self.added.is_none() && !self.is_scheduled {
+            return Ok(Datapath::new(self.config)?);
+        }
+        let Semantics { format, rounding, features, .. } = self.config.semantics;
+        let mut operations = Operations::new().format(format).rounding(rounding).tag(features.tag);
+        operations = operations.exception_flags(features.exception_flags);
+        if self.is_scheduled {
+            operations = operations.auto();
+        }
         self.config.semantics.operations(&mut operations)?;
-        added(name, &mut operations)?;
+        self.added.map_or(Ok(()), |name| added(name, &mut operations))?;
         Ok(Datapath::build(operations, self.config.microarchitecture)?)
     }
 

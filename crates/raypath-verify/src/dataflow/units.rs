@@ -13,8 +13,9 @@ pub(super) struct Units<'d> {
     pub format: Format,
     /// The registers between the stages hold numbers in the layout of IEEE 754.
     pub ieee_registers: bool,
-    /// NaNs at the ports have the sign 0, because the design reads signs before it encodes.
-    pub positive_nans: bool,
+    /// The design reads signs at the ports before it encodes, where a NaN may have another sign than the word that the
+    /// encoder writes. What units do with a NaN matters then.
+    pub reads_signs_at_ports: bool,
 }
 
 /// The results of a unit of two operands.
@@ -35,6 +36,7 @@ impl Units<'_> {
         let number = commutative(script, output).unwrap_or_else(|| script.free(self.format.recoded_width()));
         let exceptions = commutative(script, "flags");
         self.is_canonical(script, number);
+        self.keeps_nan(script, &[a, b], number);
         Results { number, exceptions }
     }
 
@@ -81,25 +83,35 @@ impl Units<'_> {
             true => (self.named("compare"), [a, b]),
             false => (narrow, [a, b].map(|operand| script.slice(operand, operand.width - 1, dropped))),
         };
-        ["less", "equal", "unordered"].map(|output| {
+        let results = ["less", "equal", "unordered"].map(|output| {
             let result = self.chain(script, &modules, &[("a", a), ("b", b)], output);
             result.unwrap_or_else(|| script.free(1))
-        })
+        });
+        if self.reads_signs_at_ports {
+            let [a_is_nan, b_is_nan] = [a, b].map(|operand| is_nan(script, operand));
+            let [less, equal, unordered] = results;
+            script.assume(&format!("(=> (or {a_is_nan} {b_is_nan}) (= (concat {less} {equal} {unordered}) #b001))"));
+        }
+        results
     }
 
-    /// A sum that rounds once. The order of the terms does not matter, but the design keeps it.
+    /// A sum that rounds once.
     pub fn sum(&self, script: &mut Script, terms: &[Term]) -> Term {
         let names: Vec<String> = (0..terms.len()).map(|number| format!("x_{number}")).collect();
         let operands: Vec<(&str, Term)> = names.iter().map(String::as_str).zip(terms.iter().copied()).collect();
         let sum = self.apply(script, &format!("sum_{}", terms.len()), &operands, "sum");
         let sum = sum.unwrap_or_else(|| script.free(self.format.recoded_width()));
         self.is_canonical(script, sum);
+        self.keeps_nan(script, terms, sum);
         sum
     }
 
     /// The number at a port, recoded.
     pub fn encoded(&self, script: &mut Script, value: Term) -> Term {
         if value.width == self.format.recoded_width() {
+            if self.ieee_registers {
+                self.is_canonical(script, value);
+            }
             return value;
         }
         let encoded = self.apply(script, "encode", &[("ieee", value)], "recoded");
@@ -166,8 +178,9 @@ impl Units<'_> {
         let nan = (0b111_u64 << (exponent - 2 + fraction)) | (1 << (fraction - 1));
         let [zero, least, greatest, infinity, nan] =
             [0, least << fraction, greatest, infinity, nan].map(|value| script.constant(width - 1, value));
+        let sign = script.slice(result, width - 1, width - 1);
         script.assume(&format!(
-            "(or (= {magnitude} {zero}) (= {magnitude} {infinity}) (= {magnitude} {nan}) \
+            "(or (= {magnitude} {zero}) (= {magnitude} {infinity}) (and (= {magnitude} {nan}) (= {sign} #b0)) \
              (and (bvuge {magnitude} {least}) (bvule {magnitude} {greatest}) (distinct {class} #b000)))"
         ));
         if self.ieee_registers {
@@ -175,6 +188,18 @@ impl Units<'_> {
             let again = self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(result);
             script.assume(&format!("(= {again} {result})"));
             self.are_alike(script, ieee, result);
+            let ieee_sign = script.slice(ieee, ieee.width - 1, ieee.width - 1);
+            script.assume(&format!("(= {ieee_sign} {sign})"));
+        }
+    }
+
+    /// The result is NaN if an operand is.
+    fn keeps_nan(&self, script: &mut Script, operands: &[Term], result: Term) {
+        if self.reads_signs_at_ports {
+            for &operand in operands {
+                let [operand, result] = [operand, result].map(|term| is_nan(script, term));
+                script.assume(&format!("(=> {operand} {result})"));
+            }
         }
     }
 
@@ -190,9 +215,6 @@ impl Units<'_> {
         script.assume(&format!("(= (= {magnitude} {zero}) (= {class} #b000))"));
         script.assume(&format!("(= (bvugt {magnitude} {infinity}) (= {class} #b111))"));
         script.assume(&format!("(or (= {class} #b111) (= {sign} {recoded_sign}))"));
-        if self.positive_nans {
-            script.assume(&format!("(=> (= {class} #b111) (and (= {sign} #b0) (= {recoded_sign} #b0)))"));
-        }
     }
 
     /// An output of the unit with this name; none if the design has no such unit.
@@ -215,7 +237,7 @@ impl Units<'_> {
             let outputs = ports
                 .outputs
                 .iter()
-                .map(|(name, width)| (name.clone(), script.apply(&format!("{module}.{name}"), &operands, *width)));
+                .map(|(name, width)| (name.clone(), unit_output(script, module, name, &operands, *width)));
             let outputs: Vec<(String, Term)> = outputs.collect();
             values.extend(outputs);
         }
@@ -247,4 +269,23 @@ impl Units<'_> {
     fn layout(&self) -> String {
         format!("e{}s{}", self.format.exponent(), self.format.significand())
     }
+}
+
+/// An output of a unit.
+///
+/// The order of the terms does not matter to a sum that rounds once. Here it does not matter to the first part, from
+/// whose outputs only the next parts read: as these may be any functions, the parts together can still be any sum.
+pub(super) fn unit_output(script: &mut Script, module: &str, output: &str, operands: &[Term], width: u32) -> Term {
+    let name = format!("{module}.{output}");
+    let is_first = !module.contains("_part_") || module.contains("_part_1_of_");
+    match module.starts_with("raypath_fp_sum_") && is_first {
+        true => script.apply_to_all(&name, operands, width),
+        false => script.apply(&name, operands, width),
+    }
+}
+
+/// Whether a recoded number is NaN, as a condition.
+fn is_nan(script: &mut Script, number: Term) -> String {
+    let class = script.slice(number, number.width - 2, number.width - 4);
+    format!("(= {class} #b111)")
 }

@@ -2,6 +2,7 @@
 
 use super::design::{Design, Id, NodeKind};
 use super::script::{Script, Term};
+use super::units::unit_output;
 use crate::Error;
 use raypath_tools::ToolError;
 use std::collections::HashMap;
@@ -74,7 +75,7 @@ impl<'d> Unrolled<'d> {
         Ok(match &node.kind {
             NodeKind::Input(Some(name)) if name == "rst_ni" => script.constant(1, u64::from(cycle > 0)),
             NodeKind::Input(Some(name)) => match self.design.unit_output(name) {
-                Some((_, module, port)) => script.apply(&format!("{module}.{port}"), operands, width),
+                Some((_, module, port)) => unit_output(script, module, port, operands, width),
                 None => script.free(width),
             },
             NodeKind::State { next: Some(_) } if cycle > 0 => operands[0],
