@@ -194,6 +194,25 @@ impl Lemma {
     }
 }
 
+/// Checks that each signal that a lemma about the module takes is an input or was given by a lemma before, that each is
+/// given once, and that the last lemma gives the outputs.
+pub fn is_chain(lemmas: &[Lemma], text: &Text) -> Result<(), String> {
+    let mut given: Vec<&str> = text.inputs().collect();
+    for lemma in lemmas.iter().filter(|lemma| lemma.unit == *text) {
+        if let Some(unknown) = lemma.takes.iter().find(|signal| !given.contains(&signal.name.as_str())) {
+            return Err(format!("{} takes {}, which no lemma gives", lemma.name, unknown.name));
+        }
+        if let Some(twice) = lemma.gives.iter().find(|signal| given.contains(&signal.name.as_str())) {
+            return Err(format!("{} gives {} again", lemma.name, twice.name));
+        }
+        given.extend(lemma.gives.iter().map(|signal| signal.name.as_str()));
+    }
+    match text.outputs().find(|output| !given.contains(output)) {
+        Some(output) => Err(format!("no lemma gives {output}")),
+        None => Ok(()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,8 +13,9 @@
 //! From 3 and 4 [`derive_product`] derives that the sum of the last rows is `M N`. A multiplier with `*` has the lemmas
 //! 1, 2 and 6, and one that states the operands of `*`.
 
-use super::lemma::{Fault, Lemma, Signal, Text};
+use super::lemma::{Fault, Lemma, Signal, Text, is_chain};
 use super::linear::{Equation, Sum, Term, derive_product, digit};
+use super::theorem::Theorem;
 use crate::error::Error;
 use raypath_float::{Format, decode, encode, mul_by_short_parts, mul_inferred_parts, mul_parts};
 use raypath_hdl::verilog::text;
@@ -45,15 +46,6 @@ impl fmt::Display for Multiplier {
         write!(f, " at ({},{})", self.format.exponent(), self.format.significand())?;
         if self.with_flags { f.write_str(" with flags") } else { Ok(()) }
     }
-}
-
-/// Lemmas, and what follows from them.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Theorem {
-    /// The lemmas.
-    pub lemmas: Vec<Lemma>,
-    /// Whether the theorem follows from them; else why not.
-    pub follows: Result<(), String>,
 }
 
 /// A row to be added; its lowest bit is in column `low`.
@@ -457,25 +449,6 @@ impl Unit {
             rest,
             faults: vec![Fault::new("vanishes", "<", "<=")],
         })
-    }
-}
-
-/// Checks that each signal that a lemma about the module takes is an input or was given by a lemma before, that each is
-/// given once, and that the last lemma gives the outputs.
-fn is_chain(lemmas: &[Lemma], text: &Text) -> Result<(), String> {
-    let mut given: Vec<&str> = text.inputs().collect();
-    for lemma in lemmas.iter().filter(|lemma| lemma.unit == *text) {
-        if let Some(unknown) = lemma.takes.iter().find(|signal| !given.contains(&signal.name.as_str())) {
-            return Err(format!("{} takes {}, which no lemma gives", lemma.name, unknown.name));
-        }
-        if let Some(twice) = lemma.gives.iter().find(|signal| given.contains(&signal.name.as_str())) {
-            return Err(format!("{} gives {} again", lemma.name, twice.name));
-        }
-        given.extend(lemma.gives.iter().map(|signal| signal.name.as_str()));
-    }
-    match text.outputs().find(|output| !given.contains(output)) {
-        Some(output) => Err(format!("no lemma gives {output}")),
-        None => Ok(()),
     }
 }
 

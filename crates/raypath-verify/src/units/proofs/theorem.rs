@@ -1,7 +1,7 @@
 //! Theorems about units, each composed of lemmas that SAT proves.
 
 use super::lemma::Lemma;
-use super::product::{Multiplier, Theorem};
+use super::product::Multiplier;
 use super::{certificate_limit, certificates};
 use crate::sat::{Certificate, Miter, ProofResult, Prover};
 use crate::{Error, Level, Request, Verdict};
@@ -14,6 +14,15 @@ use std::time::Duration;
 
 /// Lemmas for which Yosys starts once.
 const BATCH: usize = 6;
+
+/// Lemmas, and what follows from them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Theorem {
+    /// The lemmas.
+    pub lemmas: Vec<Lemma>,
+    /// Whether the theorem follows from them; else why not.
+    pub follows: Result<(), String>,
+}
 
 /// Proves the level's theorems about multipliers. Shards divide the theorems.
 ///
@@ -98,12 +107,12 @@ fn verdict(multipliers: &[Multiplier], parts: &[Part]) -> Verdict {
     let proofs = || outcomes.values().flat_map(|outcome| &outcome.proved);
     let certified = certificates(proofs().map(|(name, certificate, _)| (name.as_str(), certificate)));
     let faults = proofs().map(|(.., fault)| fault.clone());
-    let is_done = |outcome: &&Outcome| outcome.failures.len() + outcome.proved.len() >= outcome.count;
+    let is_done = |outcome: &Outcome| outcome.failures.len() + outcome.proved.len() >= outcome.count;
     Verdict {
         covered,
         failures: failures.collect(),
         remarks: [versions, certified].into_iter().chain(faults).collect(),
-        is_stopped: !outcomes.values().all(|outcome| is_done(&outcome)),
+        is_stopped: !outcomes.values().all(|outcome| is_done(outcome)),
     }
 }
 
