@@ -1,9 +1,9 @@
 //! External programs: how they are found, run and stopped, and how their results are cached.
 //!
 //! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] and
-//! [`SmtSolver`] prove. [`Verilated`] is SystemVerilog compiled by Verilator, an implementation of the language that is
-//! independent of `raypath-hdl`'s simulator, so that the two can be compared cycle by cycle. [`Sources::lint`] runs the
-//! linters.
+//! [`SmtSolver`] prove, and [`Cadical`] certifies. [`Verilated`] is SystemVerilog compiled by Verilator, an
+//! implementation of the language that is independent of `raypath-hdl`'s simulator, so that the two can be compared
+//! cycle by cycle. [`Sources::lint`] runs the linters.
 //!
 //! Every function reports a missing program, a failure or an unexpected result as a [`ToolError`].
 //!
@@ -29,6 +29,7 @@
 mod abc;
 #[cfg(feature = "cache")]
 mod cache;
+mod cadical;
 mod error;
 mod files;
 mod grouped;
@@ -51,6 +52,7 @@ mod yosys;
 pub use abc::Abc;
 #[cfg(feature = "cache")]
 pub use cache::{Cache, Key, MAX_RESULT_BYTES, decode, digest};
+pub use cadical::Cadical;
 pub use error::ToolError;
 pub use files::{read, temporary_folder, write};
 pub use grouped::grouped;

@@ -5,10 +5,13 @@
 //! finds inputs for which the output is 1, or gives up. Only ABC's message for the first case counts as a proof.
 
 mod aiger;
+mod certificate;
 
 use crate::error::Error;
 use aiger::Aiger;
 pub(crate) use aiger::header;
+pub use certificate::Certificate;
+use certificate::Certifier;
 use raypath_tools::{Abc, ToolError, Yosys, YosysKind, read, temporary_folder, write};
 use std::collections::BTreeMap;
 use std::fs;
@@ -36,6 +39,8 @@ pub enum ProofResult {
     Proved {
         /// And-gates of the miter; 0 if the conversion to gates already reduced it to the constant 0.
         gates: u64,
+        /// Whether a second solver has refuted that the output is 1.
+        certificate: Certificate,
     },
     /// The output is 1 for these inputs, by name.
     Refuted(BTreeMap<String, u64>),
@@ -45,6 +50,9 @@ pub enum ProofResult {
     Stopped,
 }
 
+/// What begins the line of Yosys's output before the values of a problem.
+const EVALUATED: &str = "evaluated problem ";
+
 /// The prefix of a source's file name in [`Miter::commands`].
 pub const SOURCE: &str = "@/";
 
@@ -53,6 +61,7 @@ pub const SOURCE: &str = "@/";
 pub struct Prover {
     yosys: Yosys,
     abc: Abc,
+    certifier: Option<Certifier>,
 }
 
 /// The commands that convert the module `miter` to and-gates. An undriven wire becomes an input, which the check of the
@@ -66,12 +75,25 @@ impl Prover {
     /// # Errors
     /// A program is missing; the message says how to install it.
     pub fn find() -> Result<Self, Error> {
-        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, abc: Abc::find()? })
+        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, abc: Abc::find()?, certifier: None })
+    }
+
+    /// Also finds CaDiCaL, which repeats each proof in at most `limit`, with a certificate that is checked.
+    ///
+    /// # Errors
+    /// A program is missing.
+    pub fn with_certificates(limit: Duration) -> Result<Self, Error> {
+        Ok(Self { certifier: Some(Certifier::find(limit)?), ..Self::find()? })
     }
 
     /// The versions of the programs.
     pub fn versions(&self) -> String {
-        format!("{} and {}", self.yosys.version, self.abc.version)
+        match &self.certifier {
+            None => format!("{} and {}", self.yosys.version, self.abc.version),
+            Some(certifier) => {
+                format!("{}, {} and {}", self.yosys.version, self.abc.version, certifier.solver.version)
+            }
+        }
     }
 
     /// Solves problems one after the other, in at most `limit` each. Yosys runs once for all of them.
@@ -99,7 +121,7 @@ impl Prover {
         };
         let counterexample = || fs::read_to_string(&example).ok().and_then(|word| graph.ports(word.trim()));
         match verdict(&output) {
-            Some(true) => Ok(ProofResult::Proved { gates: graph.gates }),
+            Some(true) => self.certified(folder, graph, stop),
             Some(false) => Ok(counterexample().map(ProofResult::Refuted).ok_or_else(|| {
                 let found = format!("{}: refuted without a counterexample", graph.problem);
                 ToolError::unexpected("abc", found, "a value for each input")
@@ -108,35 +130,81 @@ impl Prover {
         }
     }
 
+    /// The result for a graph that ABC has proved.
+    fn certified(&self, folder: &Path, graph: &Aiger, stop: &AtomicBool) -> Result<ProofResult, Error> {
+        let certificate = match &self.certifier {
+            Some(certifier) => certifier.certify(folder, &graph.file, stop)?,
+            None => Certificate::NotTried,
+        };
+        Ok(match certificate {
+            Certificate::Wrong(why) => ProofResult::Undecided(format!("proved by ABC, but {why}")),
+            certificate => ProofResult::Proved { gates: graph.gates, certificate },
+        })
+    }
+
     /// The values of a miter's wires for these inputs, evaluated by Yosys, independently of ABC.
     ///
     /// # Errors
     /// Yosys fails, or a wire has no definite value.
     pub fn evaluate(&self, problem: &Miter, values: &BTreeMap<String, u64>, wires: &[&str]) -> Result<Vec<u64>, Error> {
+        Ok(self.evaluate_all(&[(problem, values)], wires)?.pop().unwrap_or_default())
+    }
+
+    /// Checks with Yosys, independently of ABC, that a wire of each miter is 1 for its inputs.
+    ///
+    /// # Errors
+    /// Yosys fails, or the wire of a miter is not 1.
+    pub fn confirm(&self, found: &[(&Miter, &BTreeMap<String, u64>)], wire: &str) -> Result<(), Error> {
+        let shown = self.evaluate_all(found, &[wire])?;
+        match found.iter().zip(shown).find(|(_, shown)| *shown != [1]) {
+            Some(((problem, values), shown)) => {
+                let found = format!("{}: not a counterexample: {values:x?} gives {shown:x?}", problem.name);
+                Err(ToolError::unexpected("abc", found, "inputs for which the sides differ").into())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The values of wires of miters, for the inputs of each.
+    fn evaluate_all(
+        &self,
+        problems: &[(&Miter, &BTreeMap<String, u64>)],
+        wires: &[&str],
+    ) -> Result<Vec<Vec<u64>>, Error> {
+        let Some((first, _)) = problems.first() else { return Ok(Vec::new()) };
         let folder = temporary_folder()?;
-        let mut script = write_sources(problem, folder.path(), 0)?;
-        let width = |name: &str| problem.inputs.iter().find(|(input, _)| input == name).map_or(1, |(_, width)| *width);
-        let set: Vec<String> =
-            values.iter().map(|(name, value)| format!("-set {name} {}'d{value}", width(name))).collect();
-        let show: Vec<String> = wires.iter().map(|wire| format!("-show {wire}")).collect();
-        script += &format!("hierarchy -check -top miter\nflatten\neval {} {} miter\n", set.join(" "), show.join(" "));
+        let mut script = String::new();
+        for (number, (problem, values)) in problems.iter().enumerate() {
+            script += &write_sources(problem, folder.path(), number)?;
+            let width =
+                |name: &str| problem.inputs.iter().find(|(input, _)| input == name).map_or(1, |(_, width)| *width);
+            let set: Vec<String> =
+                values.iter().map(|(name, value)| format!("-set {name} {}'d{value}", width(name))).collect();
+            let show: Vec<String> = wires.iter().map(|wire| format!("-show {wire}")).collect();
+            script += &format!(
+                "hierarchy -check -top miter\nflatten\nlog {EVALUATED}{number}\neval {} {} miter\n",
+                set.join(" "),
+                show.join(" ")
+            );
+        }
         write(&folder.path().join("script.ys"), &script)?;
-        self.yosys.run(folder.path(), "script.ys", &problem.name, &AtomicBool::new(false))?;
+        self.yosys.run(folder.path(), "script.ys", &first.name, &AtomicBool::new(false))?;
         let log = read(&folder.path().join(Yosys::LOG))?;
         let output = String::from_utf8_lossy(&log);
-        wires
-            .iter()
-            .map(|wire| {
-                // Eval result: \a = 16'0011110000000000.
-                let begin = format!("Eval result: \\{wire} = ");
-                let line = output.lines().find_map(|line| line.strip_prefix(&begin));
-                let value = line.and_then(|line| parse_value(line.trim_end_matches('.')));
-                Ok(value.ok_or_else(|| {
-                    let found = format!("{}: evaluated {wire} to {line:?}", problem.name);
-                    ToolError::unexpected("yosys", found, "a definite value")
-                })?)
-            })
-            .collect()
+        let value = |number: usize, problem: &Miter, wire: &str| {
+            let begin = format!("{EVALUATED}{number}");
+            let lines = output.lines().skip_while(|line| *line != begin).skip(1);
+            // Eval result: \a = 16'0011110000000000.
+            let begin = format!("Eval result: \\{wire} = ");
+            let line = lines.take_while(|line| !line.starts_with(EVALUATED)).find_map(|line| line.strip_prefix(&begin));
+            let value = line.and_then(|line| parse_value(line.trim_end_matches('.')));
+            Ok(value.ok_or_else(|| {
+                let found = format!("{}: evaluated {wire} to {line:?}", problem.name);
+                ToolError::unexpected("yosys", found, "a definite value")
+            })?)
+        };
+        let all = problems.iter().enumerate();
+        all.map(|(number, (problem, _))| wires.iter().map(|wire| value(number, problem, wire)).collect()).collect()
     }
 
     /// Writes the problems as graphs into a folder; none if the run was stopped.

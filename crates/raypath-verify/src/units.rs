@@ -6,6 +6,7 @@ pub mod bench;
 mod campaign;
 mod conversions;
 mod division;
+mod exceptions;
 pub mod operands;
 pub mod proofs;
 mod small_formats;

@@ -1,6 +1,6 @@
 //! The units' campaigns: they pass the units, on a share of level `regression`, and find faulty units.
 
-use raypath_float::Format;
+use raypath_float::{Format, flags};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_verify::units::bench::Units;
 use raypath_verify::units::{Dividers, conversions, division, small_formats, testfloat};
@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 #[test]
 fn the_units_are_right() -> Result<(), Box<dyn std::error::Error>> {
-    let units = binary32()?;
+    let (units, flagged) = (binary32()?, with_flags()?);
     let verdicts = [
-        regression("2/8", |request| testfloat(&units, request)),
+        regression("2/8", |request| testfloat(&units, &flagged, request)),
         regression("2/8", |request| conversions(&units, request)),
         regression("1/1", |request| small_formats(&|format| Ok(Units::new(format)?), request)),
         regression("2/8", |request| division(&Dividers::new, request)),
@@ -25,14 +25,14 @@ fn the_units_are_right() -> Result<(), Box<dyn std::error::Error>> {
 /// One sum, which is also a difference, with a wrong last bit: its operands are reported, and nothing else.
 #[test]
 fn one_wrong_sum_is_found() -> Result<(), Box<dyn std::error::Error>> {
-    let mut units = binary32()?;
+    let (mut units, flagged) = (binary32()?, with_flags()?);
     let wrong = [0x3f80_0000, 0x4080_0001].map(|code| Format::BINARY32.encode(code));
     units.add[0] = faulty(&units.add[0], |m, operands, outputs| {
         let is_wrong = operands[0].is(wrong[0]) & operands[1].is(wrong[1]);
         let place = m.concat(&[m.constant(outputs[0].width() - 1, 0), is_wrong]);
         vec![outputs[0] ^ place]
     })?;
-    let verdict = regression("1/1", |request| testfloat(&units, request));
+    let verdict = regression("1/1", |request| testfloat(&units, &flagged, request));
     for expected in [
         "sum of 0x3f800000 and 0x40800001: 0x40a00000, expected 0x40a00001",
         "sum in two parts of 0x3f800000 and 0x40800001: differs from the unsplit unit",
@@ -45,13 +45,30 @@ fn one_wrong_sum_is_found() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
+/// Flags that are raised too seldom, and one in a split form.
+#[test]
+fn wrong_flags_are_found() -> Result<(), Box<dyn std::error::Error>> {
+    let units = binary32()?;
+    let without = |unit: &Arc<Module>, flag: u64| {
+        faulty(unit, move |m, _, outputs| vec![outputs[0], outputs[1] & !m.constant(outputs[1].width(), flag)])
+    };
+    let mut flagged = with_flags()?;
+    flagged.mul[0] = without(&flagged.mul[0], flags::UNDERFLOW)?;
+    let verdict = regression("1/1", |request| testfloat(&units, &flagged, request));
+    assert!(verdict.failures.iter().any(|failure| failure.contains(" with flags 0001, expected ")), "{verdict:?}");
+    let mut flagged = with_flags()?;
+    flagged.add[1] = without(&flagged.add[1], flags::INVALID)?;
+    assert_reported(&regression("1/1", |request| testfloat(&units, &flagged, request)), "units with flags for 0x");
+    Ok(())
+}
+
 /// Each unit with a plausible design fault: its campaign names the unit and the operands.
 #[test]
 fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
     // A fault in one split form of a unit is found in that form.
-    let mut units = binary32()?;
+    let (mut units, flagged) = (binary32()?, with_flags()?);
     units.mul[2] = faulty(&units.mul[2], |m, _, outputs| vec![outputs[0] & !m.constant(outputs[0].width(), 1)])?;
-    assert_reported(&regression("1/1", |request| testfloat(&units, request)), "product in three parts of 0x");
+    assert_reported(&regression("1/1", |request| testfloat(&units, &flagged, request)), "product in three parts of 0x");
 
     let mut units = binary32()?;
     units.compare = faulty(&units.compare, |m, operands, outputs| {
@@ -59,7 +76,7 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         vec![outputs[0], outputs[1] & !unlike, outputs[2] & m.constant(1, 1)]
     })?;
     assert_reported(
-        &regression("1/1", |request| testfloat(&units, request)),
+        &regression("1/1", |request| testfloat(&units, &flagged, request)),
         "equal of 0x00000000 and 0x80000000: false, expected true",
     );
 
@@ -137,9 +154,13 @@ fn faulty_dividers_are_found() -> Result<(), Box<dyn std::error::Error>> {
 fn a_user_can_stop() -> Result<(), Box<dyn std::error::Error>> {
     let units = binary32()?;
     let mut proceed = |_| false;
-    let verdict = testfloat(&units, &mut request(Level::Long, "1/1", &mut proceed))?;
+    let verdict = testfloat(&units, &with_flags()?, &mut request(Level::Long, "1/1", &mut proceed))?;
     assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
     Ok(())
+}
+
+fn with_flags() -> Result<Units, Error> {
+    Units::with_flags(Format::BINARY32)
 }
 
 fn binary32() -> Result<Units, Error> {

@@ -98,9 +98,18 @@ pub struct Units {
 impl Units {
     /// The datapath's units.
     pub fn new(format: Format) -> Result<Self, Error> {
+        Self::of(format, false)
+    }
+
+    /// The units of a datapath with exception flags.
+    pub fn with_flags(format: Format) -> Result<Self, Error> {
+        Self::of(format, true)
+    }
+
+    fn of(format: Format, with_flags: bool) -> Result<Self, Error> {
         let [add, mul, mul_inferred] = [add_parts, mul_parts, mul_inferred_parts].map(|unit| {
-            let in_parts = |count| chain(&unit(format, count, false)?);
-            Ok([unit(format, 1, false)?.remove(0), in_parts(2)?, in_parts(3)?])
+            let in_parts = |count| chain(&unit(format, count, with_flags)?);
+            Ok([unit(format, 1, with_flags)?.remove(0), in_parts(2)?, in_parts(3)?])
         });
         let (encode, decode, compare) = (encode(format)?, decode(format)?, compare(format)?);
         Ok(Self { format, encode, decode, add: add?, mul: mul?, mul_inferred: mul_inferred?, compare })

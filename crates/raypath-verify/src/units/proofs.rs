@@ -6,11 +6,16 @@
 //! with a deliberate fault.
 
 mod claim;
+mod lemma;
+mod linear;
+mod product;
 mod short;
+mod theorem;
 
 pub use claim::{Claim, Form, Operands, Subject};
+pub use theorem::multiplication;
 
-use crate::sat::{Miter, ProofResult, Prover};
+use crate::sat::{Certificate, Miter, ProofResult, Prover};
 use crate::units::bench::Simulated;
 use crate::{Error, Level, Progress, Request, Verdict};
 use raypath_float::{
@@ -42,7 +47,24 @@ pub fn unit_proofs(request: &mut Request<'_>) -> Result<Verdict, Error> {
 }
 
 /// The result of a claim in a part: the fields of [`ClaimResult`] but the claim, which its number gives.
-type Proof = (Result<(), String>, Option<String>, bool);
+type Proof = (Result<Certificate, String>, Option<String>, bool);
+
+/// How long CaDiCaL may take for the certificate of a proof.
+fn certificate_limit(level: Level) -> Duration {
+    Duration::from_secs(level.pick(20, 600, 3600))
+}
+
+/// A remark on the proofs that have certificates, and on those that have none.
+fn certificates<'a>(proofs: impl Iterator<Item = (&'a str, &'a Certificate)>) -> String {
+    let (checked, others): (Vec<_>, Vec<_>) =
+        proofs.partition(|(_, certificate)| matches!(certificate, Certificate::Checked { .. }));
+    let others: Vec<&str> = others.into_iter().map(|(name, _)| name).collect();
+    let without = match others.is_empty() {
+        true => String::new(),
+        false => format!("; none within the limit for {}", others.join("; ")),
+    };
+    format!("{} proofs repeated by CaDiCaL, each step of their certificates checked{without}", checked.len())
+}
 
 /// Proves the claims whose numbers are `mine` on all cores, those with `true` together with their deliberate fault.
 /// Returns the results in the order of the claims, and the versions of the programs. None for claims that were not
@@ -55,7 +77,7 @@ fn prove(
 ) -> Result<(Vec<Option<ClaimResult>>, String), Error> {
     let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
     let shards = request.parts.phase(|| {
-        let prover = Prover::find()?;
+        let prover = Prover::with_certificates(certificate_limit(request.level))?;
         let numbers: Vec<u64> = (0..claims.len() as u64).filter(|&number| mine(number)).collect();
         let chosen: Vec<(Claim, bool)> = numbers.iter().map(|&number| claims[number as usize]).collect();
         let results = prove_all(&prover, &chosen, cache, limit, request.proceed)?;
@@ -86,13 +108,14 @@ fn prove_all(
     pool::map(claims, pool::ALL_CORES, proceed, |&(claim, with_fault), stop| {
         let Some(cache) = cache else { return check(prover, claim, with_fault, limit, stop) };
         let key = proof_key(&claim.miter(false)?, &prover.versions());
-        if !with_fault && cache.has(&key) {
-            return Ok(Some(ClaimResult { claim, outcome: Ok(()), found_fault: None, is_cached: true }));
+        if !with_fault && let Some((_, certificate)) = cache.get::<(String, Certificate)>(&key) {
+            return Ok(Some(ClaimResult { claim, outcome: Ok(certificate), found_fault: None, is_cached: true }));
         }
         let begin = Instant::now();
         let result = check(prover, claim, with_fault, limit, stop)?;
-        if result.as_ref().is_some_and(|result| result.outcome.is_ok()) {
-            cache.put(&key, &format!("{claim}: proved in {:.1} s", begin.elapsed().as_secs_f64()))?;
+        if let Some(Ok(certificate)) = result.as_ref().map(|result| &result.outcome) {
+            let time = format!("{claim}: proved in {:.1} s", begin.elapsed().as_secs_f64());
+            cache.put(&key, &(time, certificate))?;
         }
         Ok(result)
     })
@@ -108,10 +131,16 @@ fn proof_key(problem: &Miter, versions: &str) -> Key {
 
 fn verdict(results: &[Option<ClaimResult>], covered: String, first_remark: String) -> Verdict {
     let faults = results.iter().flatten().filter_map(|result| result.found_fault.clone());
+    let proved: Vec<(String, &Certificate)> = results
+        .iter()
+        .flatten()
+        .filter_map(|result| Some((result.claim.to_string(), result.outcome.as_ref().ok()?)))
+        .collect();
+    let certified = certificates(proved.iter().map(|(name, certificate)| (name.as_str(), *certificate)));
     Verdict {
         covered,
         failures: results.iter().flatten().filter_map(|result| result.outcome.clone().err()).collect(),
-        remarks: std::iter::once(first_remark).chain(faults).collect(),
+        remarks: [first_remark, certified].into_iter().chain(faults).collect(),
         is_stopped: results.iter().any(Option::is_none),
     }
 }
@@ -121,8 +150,8 @@ fn verdict(results: &[Option<ClaimResult>], covered: String, first_remark: Strin
 pub struct ClaimResult {
     /// The claim.
     pub claim: Claim,
-    /// Whether the claim is proved; else why it is wrong or undecided.
-    pub outcome: Result<(), String>,
+    /// The certificate of the proof; else why the claim is wrong or undecided.
+    pub outcome: Result<Certificate, String>,
     /// The remark on the fault and the operands that showed it, if the negative control ran and found it.
     pub found_fault: Option<String>,
     /// Whether the proof was in the cache.
@@ -149,10 +178,10 @@ pub fn check(
     }
     let mut outcome = match &results[0] {
         // Unit and reference share no logic: if they are equal before any proof, something is missing.
-        ProofResult::Proved { gates: 0 } if !claim.compares_own_units() => {
+        ProofResult::Proved { gates: 0, .. } if !claim.compares_own_units() => {
             Err(format!("{claim}: the circuit is empty"))
         }
-        ProofResult::Proved { .. } => Ok(()),
+        ProofResult::Proved { certificate, .. } => Ok(certificate.clone()),
         ProofResult::Refuted(values) => Err(Counterexample::of(prover, &claim, &miters[0], values)?.to_string()),
         ProofResult::Undecided(why) => Err(format!("{claim}: undecided, {why}")),
         ProofResult::Stopped => Err(format!("{claim}: stopped")),
@@ -335,65 +364,36 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
 /// The folder of the proof cache, relative to the working directory.
 const CASES_FOLDER: &str = "build/verify/proofs";
 
-/// Proves binary32 addition for the level's differences of exponents; at level `long` for all 511, which cover all
-/// pairs of operands. Cached proofs are not repeated. Shards divide the differences.
+/// Proves binary32 addition in the level's cases; at level `full` in all, which cover all pairs of operands. Cached
+/// proofs are not repeated. Shards divide the cases.
 ///
 /// # Errors
 /// A program is missing or fails, or the folder cannot be written.
 pub fn adder_proof(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let case = |difference| Claim {
-        subject: Subject::Add,
-        format: Format::BINARY32,
-        operands: Operands::ExponentDifference(difference),
-    };
+    let case = |operands| Claim { subject: Subject::Add, format: Format::BINARY32, operands };
+    let all = adder_cases();
     let cases = Cases {
         what: "binary32 addition, by difference of exponents",
-        chosen: differences(request.level).into_iter().map(case).collect(),
-        total: differences(Level::Long).len(),
+        total: all.len(),
+        chosen: match request.level {
+            // A short one.
+            Level::Regression => vec![case(Operands::ExponentDifference(-25))],
+            Level::Full | Level::Long => all.into_iter().map(case).collect(),
+        },
         // The fault changes a rounding that differences of exponents by 3 have.
-        fault: case(3),
+        fault: case(Operands::ExponentDifference(3)),
     };
     cases.prove(request)
 }
 
-/// Proves binary16 multiplication for the level's fractions of the second operand; at level `long` for all 1024, which
-/// cover all pairs of operands. Cached proofs are not repeated. Shards divide the fractions.
-///
-/// # Errors
-/// A program is missing or fails, or the folder cannot be written.
-pub fn multiplier_proof(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let case =
-        |fraction| Claim { subject: Subject::Mul, format: Format::BINARY16, operands: Operands::Fraction(fraction) };
-    let cases = Cases {
-        what: "binary16 multiplication, by fraction of the second operand",
-        chosen: fractions(request.level).into_iter().map(case).collect(),
-        total: fractions(Level::Long).len(),
-        fault: case(0x155),
-    };
-    cases.prove(request)
-}
-
-/// The level's differences of biased exponents, the shortest proofs first.
-fn differences(level: Level) -> Vec<i64> {
-    let all = (0..=255).rev().flat_map(|distance| match distance {
-        0 => vec![0],
-        _ => vec![-distance, distance],
-    });
-    match level {
-        Level::Regression => vec![-100],
-        Level::Full => all.filter(|difference| difference % 16 == 0).collect(),
-        Level::Long => all.collect(),
-    }
-}
-
-/// The level's fractions.
-fn fractions(level: Level) -> Vec<u64> {
-    match level {
-        Level::Regression => vec![0x2ab],
-        // The step is odd, so that every bit is 0 in some fractions and 1 in others.
-        Level::Full => (0..1024).step_by(33).collect(),
-        Level::Long => (0..1024).collect(),
-    }
+/// Cases that cover all pairs of operands of binary32: exponents far apart, the longest proofs, and each smaller
+/// difference.
+fn adder_cases() -> Vec<Operands> {
+    // From this difference on, the smaller operand is below the guard bits of the larger one.
+    let least = Format::BINARY32.significand() + 3;
+    let far = [true, false].map(|first| Operands::Apart { least, first });
+    let near = (1 - i64::from(least)..i64::from(least)).map(Operands::ExponentDifference);
+    far.into_iter().chain(near).collect()
 }
 
 /// A claim in cases, with a proof for each.
@@ -453,11 +453,17 @@ mod tests {
     }
 
     #[test]
-    fn the_long_level_leaves_no_case_out() {
-        let mut all = differences(Level::Long);
-        all.sort_unstable();
-        assert_eq!(all, (-255..=255).collect::<Vec<_>>());
-        assert_eq!(fractions(Level::Long), (0..1 << Format::BINARY16.fraction_width()).collect::<Vec<_>>());
-        assert_eq!((differences(Level::Full).len(), fractions(Level::Full).len()), (31, 32));
+    fn the_cases_of_addition_leave_no_difference_out() {
+        let cases = adder_cases();
+        let covers = |difference: i64| {
+            let number = cases.iter().filter(|case| match **case {
+                Operands::All => true,
+                Operands::ExponentDifference(one) => one == difference,
+                Operands::Apart { least, first } => (if first { difference } else { -difference }) >= least.into(),
+            });
+            number.count() == 1
+        };
+        assert!((-255..=255).all(covers));
+        assert_eq!(cases.len(), 55);
     }
 }

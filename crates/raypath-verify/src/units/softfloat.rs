@@ -3,16 +3,21 @@
 use super::answers::Answers;
 use super::bench::{Bench, PortFormat, UnitResults, Units};
 use super::campaign::Campaign;
+use super::exceptions::{FUNCTIONS, FlagBench, Flagged};
 use super::testfloat::{BLOCK, Level, Pairs};
 use crate::{Error, Request, Verdict};
+use raypath_float::flags;
 use raypath_tools::{grouped, pool::Cases};
 use softfloat_rs::{f16_div, f16_sqrt, float16_t};
 use softfloat_rs::{f32_add, f32_div, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sqrt, f32_sub, float32_t};
+use softfloat_rs::{
+    softfloat_detectTininess_write_helper, softfloat_exceptionFlags_read_helper, softfloat_exceptionFlags_write_helper,
+};
 
-/// Compares sums, differences, products and comparisons of TestFloat's cases. The netlist holds the units, unsplit and
-/// split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at
+/// Compares sums, differences, products and comparisons of TestFloat's cases, and the exceptions that `flagged` units
+/// raise. The netlists hold the units, unsplit and split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at
 /// level `full` all, and at `long` all a hundred times, each time with other random numbers.
-pub fn testfloat(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
+pub fn testfloat(units: &Units, flagged: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let seed = request.seed;
     let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));
     let second = (0..rounds).map(|round| Pairs::new(Level::Two, seed, round).every(stride));
@@ -21,16 +26,18 @@ pub fn testfloat(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Er
     let mut campaign = Campaign::new(request, &phases);
     let mut level_one = 0;
     for (pairs, phase) in lists.iter().zip(phases) {
-        let begin = || Ok(Bench::new(units, PortFormat::Ieee)?);
-        campaign.run(phase, begin, |bench, cases| {
-            pairs.block(cases.start / BLOCK).flat_map(|(a, b)| mismatches(bench, a, b)).collect()
+        let begin = || Ok((Bench::new(units, PortFormat::Ieee)?, FlagBench::new(flagged)?));
+        campaign.run(phase, begin, |(bench, flagged), cases| {
+            let pairs = pairs.block(cases.start / BLOCK);
+            pairs.flat_map(|(a, b)| mismatches(bench, a, b).into_iter().chain(wrong_flags(flagged, a, b))).collect()
         })?;
         if pairs.level() == Level::One {
             level_one = campaign.done();
         }
     }
     let covered = format!(
-        "{} cases of level 1 and {} of level 2, each of addition, subtraction, multiplication and comparison",
+        "{} cases of level 1 and {} of level 2, each of addition, subtraction, multiplication and comparison, and of \
+         their exceptions",
         grouped(level_one),
         grouped(campaign.done() - level_one),
     );
@@ -48,6 +55,44 @@ fn mismatches(bench: &mut Bench, a: u32, b: u32) -> Vec<String> {
         mismatches.push(format!("less or equal of {operands}: {}, expected {less_or_equal}", !less_or_equal));
     }
     mismatches
+}
+
+/// What the units with flags give wrong.
+fn wrong_flags(bench: &mut FlagBench, a: u32, b: u32) -> Vec<String> {
+    let ((found, differing), expected) = (bench.run(a.into(), b.into()), exceptions(a, b));
+    if found == expected && differing == 0 {
+        return Vec::new();
+    }
+    let operands = format!("{a:#010x} and {b:#010x}");
+    let pairs = FUNCTIONS.iter().zip(found.into_iter().zip(expected));
+    let wrong = pairs.filter(|(_, (found, expected))| found != expected).map(|(name, (found, expected))| {
+        let shown = |flagged: Flagged| format!("{:#x} with flags {:04b}", flagged.number, flagged.flags);
+        format!("{name} of {operands}: {}, expected {}", shown(found), shown(expected))
+    });
+    let others = format!("units with flags for {operands}: {differing} differ from the unsplit ones");
+    wrong.chain((differing > 0).then_some(others)).collect()
+}
+
+/// SoftFloat's results for two binary32 words, with the exceptions that it raises. Tininess is detected before
+/// rounding, and no NaN is signalling, as docs/reference/features.md states.
+#[allow(unsafe_code)]
+fn exceptions(a: u32, b: u32) -> [Flagged; FUNCTIONS.len()] {
+    const BEFORE_ROUNDING: u8 = 0;
+    let has_nan = [a, b].iter().any(|word| word & 0x7fff_ffff > 0x7f80_0000);
+    let functions = [f32_add, f32_sub, f32_mul];
+    functions.map(|function| {
+        // SAFETY: the C functions take and return words by value and have no preconditions. The state that they read
+        // and write belongs to the thread.
+        let (number, raised) = unsafe {
+            softfloat_detectTininess_write_helper(BEFORE_ROUNDING);
+            softfloat_exceptionFlags_write_helper(0);
+            (function(float32_t { v: a }, float32_t { v: b }), softfloat_exceptionFlags_read_helper())
+        };
+        let flag = |softfloat: u8, ours: u64| if raised & softfloat == 0 { 0 } else { ours };
+        let invalid = if has_nan { 0 } else { flag(16, flags::INVALID) };
+        let flags = invalid | flag(4, flags::OVERFLOW) | flag(2, flags::UNDERFLOW) | flag(1, flags::INEXACT);
+        Flagged { number: canonical(number), flags }
+    })
 }
 
 /// SoftFloat's results for two binary32 words, and whether the first is less than or equal to the second.

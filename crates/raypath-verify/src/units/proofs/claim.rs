@@ -75,8 +75,13 @@ pub enum Operands {
     All,
     /// Operands with this difference of biased exponents: the first minus the second.
     ExponentDifference(i64),
-    /// Operands of which the second has this fraction.
-    Fraction(u64),
+    /// Operands of which one has a biased exponent that is larger by this or more: the first, or the second.
+    Apart {
+        /// The least difference.
+        least: u32,
+        /// Whether the first operand has the larger exponent.
+        first: bool,
+    },
 }
 
 impl Subject {
@@ -216,9 +221,8 @@ impl Claim {
         };
         let ports: &[(&str, u32)] = match (self.subject, self.operands) {
             _ if self.is_unary() => &[("free_a", width)],
-            (_, Operands::All) => &[("free_a", width), ("free_b", width)],
+            (_, Operands::All | Operands::Apart { .. }) => &[("free_a", width), ("free_b", width)],
             (_, Operands::ExponentDifference(_)) => &[("free_a", f.significand()), ("free_b", width)],
-            (_, Operands::Fraction(_)) => &[("free_a", width), ("free_b", f.exponent() + 1)],
         };
         let operands = ports.iter().map(|&(name, width)| (name.to_string(), width));
         Ok(operands.chain(self.state()?).collect())
@@ -252,6 +256,16 @@ impl Claim {
         lines.push(match self.operands {
             _ if self.is_unary() => "assign a = free_a; assign b = 0; assign valid = 1;".to_string(),
             Operands::All => "assign a = free_a; assign b = free_b; assign valid = 1;".to_string(),
+            Operands::Apart { least, first } => {
+                let (larger, smaller) = if first { ("a", "b") } else { ("b", "a") };
+                let exponent = |name: &str| format!("{{1'b0, free_{name}[{}:{}]}}", e + s - 2, s - 1);
+                format!(
+                    "assign a = free_a; assign b = free_b; assign valid = {} >= {} + {}'d{least};",
+                    exponent(larger),
+                    exponent(smaller),
+                    e + 1
+                )
+            }
             Operands::ExponentDifference(difference) => format!(
                 "wire [{top}:0] exponent = {{2'b00, free_b[{high}:{low}]}} + {value};\n\
                  assign a = {{free_a[{low}], exponent[{}:0], free_a[{}:0]}}; assign b = free_b;\n\
@@ -263,9 +277,6 @@ impl Claim {
                 low = s - 1,
                 value = format_args!("{}'d{}", e + 2, difference.rem_euclid(1 << (e + 2))),
             ),
-            Operands::Fraction(fraction) => {
-                format!("assign a = free_a; assign b = {{free_b, {}'d{fraction}}}; assign valid = 1;", s - 1)
-            }
         });
         lines.push(self.sides(recoded)?);
         let is_nan = |word: &str| format!("((&{word}[{}:{}]) && (|{word}[{}:0]))", e + s - 2, s - 1, s - 2);
@@ -417,8 +428,9 @@ impl fmt::Display for Claim {
         write!(f, " at ({},{})", self.format.exponent(), self.format.significand())?;
         match self.operands {
             Operands::All => Ok(()),
+            Operands::Apart { least, first: true } => write!(f, ", first exponent larger by {least} or more"),
+            Operands::Apart { least, first: false } => write!(f, ", second exponent larger by {least} or more"),
             Operands::ExponentDifference(difference) => write!(f, ", exponents {difference} apart"),
-            Operands::Fraction(fraction) => write!(f, ", second fraction {fraction:#x}"),
         }
     }
 }
