@@ -3,6 +3,7 @@
 //! A [`Recorder`] writes one JSON file for each item. [`table`] shows the records of a folder in Markdown. A record has
 //! the hash of its item's subject: it is stale if the subject has changed since.
 
+use crate::subjects::Subject;
 use crate::files::in_folder;
 use crate::{Error, Item, Request, Verdict};
 use raypath_tools::{ToolError, digest, read, write};
@@ -104,7 +105,7 @@ impl Recorder {
             self.write(&Record {
                 item: item.name.to_string(),
                 command,
-                configuration: Some(request.config.to_string()),
+                configuration: Some(Subject::of(request).to_string()),
                 commit: self.commit.clone(),
                 is_dirty: self.is_dirty,
                 subject: Some(subject),

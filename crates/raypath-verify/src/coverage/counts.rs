@@ -17,13 +17,13 @@ pub struct Coverage {
 impl Coverage {
     /// All counts are zero.
     pub fn new(model: &CoverageModel) -> Self {
-        let jobs = model.points.iter().map(|points| vec![[0; PATHS.len()]; points.len()]).collect();
+        let jobs = model.operations.iter().map(|one| vec![[0; PATHS.len()]; one.points.len()]).collect();
         Self { jobs, handshakes: Handshakes::new(model.capacity) }
     }
 
     /// Counts a job that covers these points.
     pub fn count(&mut self, covered: &JobPoints, path: JobPath) {
-        let points = &mut self.jobs[covered.kind as usize];
+        let points = &mut self.jobs[covered.operation];
         covered.each(|point| points[point][path.index()] += 1);
     }
 
@@ -38,8 +38,8 @@ impl Coverage {
     /// of jobs count, not their paths, accumulators and handshakes: for jobs that ran outside a pipeline.
     pub fn uncovered(&self, model: &CoverageModel, with_paths: bool) -> (usize, Vec<String>) {
         let (mut total, mut uncovered) = (0, Vec::new());
-        for (points, counts) in model.points.iter().zip(&self.jobs) {
-            for (point, counts) in points.iter().zip(counts) {
+        for (operation, counts) in model.operations.iter().zip(&self.jobs) {
+            for (point, counts) in operation.points.iter().zip(counts) {
                 let paths = PATHS.iter().zip(counts).enumerate().filter(|(path, _)| point.is_reachable(*path));
                 if with_paths {
                     total += paths.clone().count();
@@ -81,8 +81,8 @@ impl Coverage {
         );
         // Writing to a String always succeeds.
         let _ = writeln!(text, "{:<64}{}", "", PATHS.map(|path| format!("{path:>14}")).concat());
-        for (points, counts) in model.points.iter().zip(&self.jobs) {
-            for (point, counts) in points.iter().zip(counts) {
+        for (operation, counts) in model.operations.iter().zip(&self.jobs) {
+            for (point, counts) in operation.points.iter().zip(counts) {
                 let count = |(path, count): (usize, &u64)| match point.is_reachable(path) {
                     true => format!("{count:>14}"),
                     false => format!("{:>14}", "-"),
