@@ -4,7 +4,7 @@
 mod episode;
 mod failure;
 
-use crate::coverage::{Coverage, CoverageModel};
+use crate::coverage::{Counted, Coverage, CoverageModel};
 use crate::files;
 use crate::layout::Layout;
 use crate::subjects::{self, Subject};
@@ -25,6 +25,10 @@ pub const FOLDER: &str = "build/verify";
 
 /// The number of jobs for each operation from which on a coverage point without a hit is a failure.
 const ENOUGH: u64 = 75_000;
+/// The number of jobs for each operation from which on a point must have a hit on each path.
+const ENOUGH_FOR_PATHS: u64 = 250_000;
+/// The number of jobs for each operation of a datapath at level full.
+const JOBS_AT_FULL: u64 = 100_000;
 
 /// Runs the campaign on the request's datapath; at level full also on every datapath of [`subjects`], unless the user
 /// chose one. Writes the coverage to files in `folder`, and failures to subfolders.
@@ -32,20 +36,26 @@ const ENOUGH: u64 = 75_000;
 /// # Errors
 /// A configuration cannot be elaborated, or a file cannot be written.
 pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
-    let jobs = request.jobs.unwrap_or(request.level.pick(300_000, 45_000_000, 450_000_000));
+    let jobs = jobs(request);
     let one = Campaign::new(request, vec![Entry::new(Subject::of(request))?], jobs).run(request, folder)?;
     if request.is_chosen || request.level == Level::Regression || one.is_stopped {
         return Ok(one);
     }
-    let entries: Result<Vec<Entry>, Error> = subjects::all().into_iter().map(Entry::new).collect();
-    let jobs = request.level.pick(0, 1_000_000, 10_000_000);
-    let each = Campaign::new(request, entries?, jobs).run(request, folder)?;
+    let entries = subjects::all().into_iter().map(Entry::new).collect::<Result<Vec<_>, _>>()?;
+    let most = entries.iter().map(|entry| entry.model.kinds().len() as u64).max().unwrap_or(0);
+    let jobs = request.level.pick(0, JOBS_AT_FULL, 3 * JOBS_AT_FULL) * most;
+    let each = Campaign::new(request, entries, jobs).run(request, folder)?;
     Ok(Verdict {
         covered: format!("{}; {}", one.covered, each.covered),
         failures: [one.failures, each.failures].concat(),
         remarks: [one.remarks, each.remarks].concat(),
         is_stopped: each.is_stopped,
     })
+}
+
+/// The number of jobs of a single datapath.
+fn jobs(request: &Request<'_>) -> u64 {
+    request.jobs.unwrap_or(request.level.pick(1_000_000, 45_000_000, 450_000_000))
 }
 
 /// Runs the campaign on a module with the ports of the request's datapath and this pipeline shape. The module is
@@ -60,7 +70,7 @@ pub fn verify_module(
     folder: &Path,
 ) -> Result<Verdict, Error> {
     let entry = Entry { top: top.clone(), shape: shape.clone(), ..Entry::new(Subject::of(request))? };
-    let jobs = request.jobs.unwrap_or(request.level.pick(300_000, 45_000_000, 450_000_000));
+    let jobs = jobs(request);
     Campaign::new(request, vec![entry], jobs).run(request, folder)
 }
 
@@ -174,27 +184,27 @@ impl Campaign {
         let mut verdict = Verdict { is_stopped, ..Verdict::default() };
         verdict.covered = format!("{cycles} netlist cycles, {presented} jobs, {episodes} episodes{of}");
         let is_whole = episodes == self.episodes * count as u64 && failure.is_none();
-        let (mut text, mut points) = (String::new(), 0);
+        let (mut text, mut points, mut is_covered) = (String::new(), 0, true);
         for (entry, coverage) in self.entries.iter().zip(&coverage) {
             if count > 1 {
                 text += &format!("# {}\n", entry.subject);
             }
             text += &coverage.table(&entry.points);
-            let jobs = self.episodes * JOBS_PER_EPISODE as u64;
-            let is_enough = jobs >= ENOUGH * entry.model.kinds().len() as u64;
-            let (total, uncovered) = coverage.uncovered(&entry.points, true);
+            let jobs = self.episodes * JOBS_PER_EPISODE as u64 / entry.model.kinds().len().max(1) as u64;
+            let counted = if jobs >= ENOUGH_FOR_PATHS { Counted::ByPath } else { Counted::OnAnyPath };
+            let (total, uncovered) = coverage.uncovered(&entry.points, counted);
             points += total;
             if !uncovered.is_empty() {
-                let remark = coverage.remark(&entry.points, true);
-                let to = if is_whole && is_enough { &mut verdict.failures } else { &mut verdict.remarks };
+                is_covered = false;
+                let remark = coverage.remark(&entry.points, counted);
+                let to = if is_whole && jobs >= ENOUGH { &mut verdict.failures } else { &mut verdict.remarks };
                 to.push(if count == 1 { remark } else { format!("{}: {remark}", entry.subject) });
             }
         }
         let path = folder.join(if count == 1 { "coverage.txt" } else { "coverage-of-all.txt" });
         files::write(&path, &text)?;
-        let is_covered = verdict.failures.is_empty() && verdict.remarks.is_empty();
-        let all = if is_covered { format!("all {points} coverage points are covered") } else { format!("{points} coverage points") };
-        verdict.remarks.push(format!("{all} ({})", path.display()));
+        let all = if is_covered { "all are covered" } else { "some are not covered" };
+        verdict.remarks.push(format!("{points} coverage points, {all} ({})", path.display()));
         if let Some(failure) = failure {
             verdict.failures.push(self.report(&failure, folder)?);
         }

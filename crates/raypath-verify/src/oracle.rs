@@ -40,8 +40,14 @@ enum Answer {
     /// Boxes in the order of the outcome.
     Boxes(Vec<Entry>),
     Triangle(Triangle),
-    Euclidean { sum: Number, is_last: bool },
-    Angular { sums: Sums, is_last: bool },
+    Euclidean {
+        sum: Number,
+        is_last: bool,
+    },
+    Angular {
+        sums: Sums,
+        is_last: bool,
+    },
     Child(u64),
     Inside(u64),
     Sphere(Sphere),
@@ -128,7 +134,9 @@ impl Answer {
                 Some(boxes.iter().rev().fold(0, |word, entry| word << 1 | u64::from(entry.is_hit)))
             }
             (Self::Boxes(boxes), ["tmin", place]) => code(&boxes.get(place.parse::<usize>().ok()?)?.tmin),
-            (Self::Boxes(boxes), ["box", "index", place]) => Some(boxes.get(place.parse::<usize>().ok()?)?.index as u64),
+            (Self::Boxes(boxes), ["box", "index", place]) => {
+                Some(boxes.get(place.parse::<usize>().ok()?)?.index as u64)
+            }
             (Self::Triangle(triangle), ["t", "num"]) => code(&triangle.t_num),
             (Self::Triangle(triangle), ["t", "denom"]) => code(&triangle.t_denom),
             (Self::Triangle(triangle), ["triangle", "hit"]) => Some(triangle.is_hit.into()),

@@ -3,8 +3,8 @@
 //! A [`Recorder`] writes one JSON file for each item. [`table`] shows the records of a folder in Markdown. A record has
 //! the hash of its item's subject: it is stale if the subject has changed since.
 
-use crate::subjects::Subject;
 use crate::files::in_folder;
+use crate::subjects::Subject;
 use crate::{Error, Item, Request, Verdict};
 use raypath_tools::{ToolError, digest, read, write};
 use serde::{Deserialize, Serialize};

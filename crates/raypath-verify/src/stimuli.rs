@@ -140,9 +140,7 @@ impl<'l> Stimuli<'l> {
         let places: Vec<usize> = (0..words.len()).filter(is_separator).collect();
         let mut sorted: Vec<u64> = places.iter().map(|&place| words[place]).collect();
         let format = self.format;
-        sorted.sort_by(|&a, &b| {
-            format.compare(a, b).unwrap_or_else(|| format.is_nan(a).cmp(&format.is_nan(b)))
-        });
+        sorted.sort_by(|&a, &b| format.compare(a, b).unwrap_or_else(|| format.is_nan(a).cmp(&format.is_nan(b))));
         places.iter().zip(sorted).for_each(|(&place, word)| words[place] = word);
     }
 }

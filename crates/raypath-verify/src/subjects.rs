@@ -1,10 +1,10 @@
 //! The datapaths that campaigns run: a configuration, and added operations.
 
-use crate::oracle::Mistake;
 use crate::Request;
+use crate::oracle::Mistake;
 use raypath_float::Format;
-use raypath_oracle::added_operations;
 use raypath_ops::{BoxBits, Culling, Rounding, Rules};
+use raypath_oracle::added_operations;
 use raypath_rtl::{Accumulators, Config, Interval, Lanes, Multiplier, PRESETS, UnitLatency};
 use raypath_sim::Datapath;
 use std::fmt;
@@ -96,9 +96,12 @@ pub fn all() -> Vec<Subject> {
         of(small.multiplier(Multiplier::Inferred).unit_latency(UnitLatency::Two), Mistake::TiesAway),
         of(small.interval(Interval::Four), Mistake::MasksIgnored),
     ]);
-    subjects.extend(Accumulators::ALL.iter().skip(1).map(|&accumulators| {
-        of(small.lanes(Lanes::Four).accumulators(accumulators), Mistake::OneAccumulator)
-    }));
+    subjects.extend(
+        Accumulators::ALL
+            .iter()
+            .skip(1)
+            .map(|&accumulators| of(small.lanes(Lanes::Four).accumulators(accumulators), Mistake::OneAccumulator)),
+    );
     let with = |config, names: &[&str], mistake| Subject {
         config,
         added: names.iter().map(ToString::to_string).collect(),

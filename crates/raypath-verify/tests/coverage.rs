@@ -4,7 +4,7 @@ use raypath_model::{Shape, WordModel};
 use raypath_ops::{Job, JobKind};
 use raypath_rtl::Config;
 use raypath_sim::Datapath;
-use raypath_verify::coverage::{Coverage, CoverageModel, JobPath};
+use raypath_verify::coverage::{Counted, Coverage, CoverageModel, JobPath};
 use raypath_verify::layout::Layout;
 use raypath_verify::stimuli::Stimuli;
 
@@ -26,7 +26,7 @@ fn uncovered(jobs: impl Iterator<Item = Job>) -> Vec<String> {
         let kind = model.kind(job.kind().name()).expect("an operation");
         coverage.count(&points.job_points(kind, &words), JobPath::STRAIGHT);
     }
-    coverage.uncovered(&points, false).1
+    coverage.uncovered(&points, Counted::AtEntry).1
 }
 
 fn stimuli(count: usize) -> Vec<Job> {

@@ -200,18 +200,19 @@ impl CoveredOperation {
         let at_entry = points.len();
         let words = vec![0; fields.len()];
         let job = Job { name: kind.name(), semantics, fields, words: &words };
-        points.extend(rules_at_entry(&job).0.iter().map(|rule| CoveragePoint {
-            is_impossible: rule.is_impossible,
-            ..point(&rule.name, false)
-        }));
+        points.extend(
+            rules_at_entry(&job)
+                .0
+                .iter()
+                .map(|rule| CoveragePoint { is_impossible: rule.is_impossible, ..point(&rule.name, false) }),
+        );
         points.extend(numbered(kind.name(), semantics).iter().map(|name| point(name, false)));
         let at_exit = points.len();
         let exceptions = semantics.features.exception_flags.then_some(0);
         let rules = rules_at_exit(kind.name(), semantics, AccumulatorState::EMPTY, exceptions);
-        points.extend(rules.iter().map(|rule| CoveragePoint {
-            is_impossible: rule.is_impossible,
-            ..point(&rule.name, true)
-        }));
+        points.extend(
+            rules.iter().map(|rule| CoveragePoint { is_impossible: rule.is_impossible, ..point(&rule.name, true) }),
+        );
         Self { kind, points, classes, axes, at_entry, at_exit }
     }
 }

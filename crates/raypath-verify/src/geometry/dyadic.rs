@@ -49,7 +49,7 @@ impl Dyadic {
     }
 
     /// The number rounded to a multiple of 2^`place`.
-    pub fn to_multiple(self, place: i32, rounding: Rounding) -> Self {
+    pub fn rounded_to(self, place: i32, rounding: Rounding) -> Self {
         let distance = i64::from(place) - i64::from(self.exponent);
         if distance <= 0 {
             return self;
@@ -247,18 +247,18 @@ mod tests {
     fn multiples_are_rounded() {
         for quarters in -40..=40_i32 {
             let number = f64::from(quarters) / 4.0;
-            let rounded = |rounding| Dyadic::from(number).to_multiple(0, rounding);
+            let rounded = |rounding| Dyadic::from(number).rounded_to(0, rounding);
             assert_eq!(rounded(Rounding::NearestEven), Dyadic::from(number.round_ties_even()), "{number}");
             assert_eq!(rounded(Rounding::NearestTiesAway), Dyadic::from(number.round()), "{number}");
             assert_eq!(rounded(Rounding::TowardZero), Dyadic::from(number.trunc()), "{number}");
             assert_eq!(rounded(Rounding::AwayFromZero), Dyadic::from(number.abs().ceil().copysign(number)), "{number}");
-            assert_eq!(Dyadic::from(number).multiples_of(-2), quarters.unsigned_abs().into());
+            assert_eq!(Dyadic::from(number).multiples_of(-2), u64::from(quarters.unsigned_abs()));
             if quarters != 0 {
                 assert_eq!(Dyadic::from(number).exponent(), number.abs().log2().floor() as i32, "{number}");
             }
         }
-        assert_eq!(Dyadic::new(3, -40).to_multiple(0, Rounding::AwayFromZero), Dyadic::new(1, 0));
-        assert_eq!(Dyadic::new(3, -40).to_multiple(0, Rounding::NearestEven).sign(), std::cmp::Ordering::Equal);
+        assert_eq!(Dyadic::new(3, -40).rounded_to(0, Rounding::AwayFromZero), Dyadic::new(1, 0));
+        assert_eq!(Dyadic::new(3, -40).rounded_to(0, Rounding::NearestEven).sign(), std::cmp::Ordering::Equal);
     }
 
     #[test]

@@ -31,18 +31,11 @@ pub struct Pair {
     pub faulty: Pipeline,
 }
 
-/// A fault: the name of the module, and the beginning of the fault's description in it.
-#[derive(Debug, Clone, Copy)]
-pub struct Place {
-    pub module: &'static str,
-    pub fault: &'static str,
-}
-
 impl Pair {
-    /// The netlist of a configuration. It has no faulty one if no fault has this place.
-    pub fn new(config: Config, place: Place) -> Result<Self, Error> {
+    /// The netlist of a configuration, and the one with the first fault whose description has these words.
+    pub fn new(config: Config, words: &str) -> Result<Self, Error> {
         let datapath = Datapath::new(config)?;
-        let faulty = with_fault(datapath.top(), place)?;
+        let faulty = with_fault(datapath.top(), words)?;
         Ok(Self {
             right: Pipeline::of(config, &datapath, datapath.top())?,
             faulty: Pipeline::of(config, &datapath, &faulty)?,
@@ -75,14 +68,14 @@ impl Pipeline {
     }
 }
 
-/// The module with the fault at a place; the module itself if there is none, so that the control fails.
-fn with_fault(top: &Arc<Module>, place: Place) -> Result<Arc<Module>, Error> {
-    let is_module = |module: &&Arc<Module>| module.name() == place.module;
-    let all = modules(top)?;
-    let Some(module) = all.iter().find(is_module) else { return Ok(top.clone()) };
-    let fault = faults(module).into_iter().find(|fault| fault.to_string().contains(place.fault));
-    let Some(fault) = fault else { return Ok(top.clone()) };
-    Ok(replace(top, &Arc::new(fault.apply(module)?))?)
+/// The module with the first fault of these words; the module itself if there is none, so that the control fails.
+fn with_fault(top: &Arc<Module>, words: &str) -> Result<Arc<Module>, Error> {
+    for module in modules(top)? {
+        if let Some(fault) = faults(&module).into_iter().find(|fault| fault.to_string().contains(words)) {
+            return Ok(replace(top, &Arc::new(fault.apply(&module)?))?);
+        }
+    }
+    Ok(top.clone())
 }
 
 /// Adds the results on the netlist to the verdict of an item. `judged` names the count of judged results.

@@ -2,7 +2,7 @@
 
 use super::campaign::{self, Tally};
 use super::dyadic::{Dyadic, U, within_gamma};
-use super::pipeline::{self, Pair, Pipeline, Place, SAMPLED};
+use super::pipeline::{self, Pair, Pipeline, SAMPLED};
 use super::triangle_distances::truncate;
 use crate::{Error, Request, Verdict};
 use rand::RngExt;
@@ -55,8 +55,8 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     Ok(pipeline::joined(verdict, on_netlist, "sums"))
 }
 
-/// The fault of the netlists that are the negative control.
-const FAULT: Place = Place { module: "raypath_fp_add_e8s24", fault: "" };
+/// The fault of the netlists that are the negative control: a step of an alignment.
+const FAULT: &str = "raypath_fp_add_e8s24, aligned_4:";
 
 /// The distribution of a vector's numbers.
 #[derive(Debug, Clone, Copy)]

@@ -1,8 +1,8 @@
 //! Ray against triangle: the error of t = t_num / t_denom, the distance of the intersection.
 
 use super::campaign::{self, Tally};
-use super::pipeline::{self, Pair, Pipeline, Place, SAMPLED};
 use super::dyadic::{Dyadic, U, ulps_of, within_gamma};
+use super::pipeline::{self, Pair, Pipeline, SAMPLED};
 use super::watertight::{datapath, on_netlist};
 use crate::{Error, Request, Verdict};
 use rand::RngExt;
@@ -45,8 +45,8 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     Ok(pipeline::joined(verdict, on_netlist, "checked"))
 }
 
-/// The fault of the netlist that is the negative control: a product without its sticky bits or digits.
-const FAULT: Place = Place { module: "raypath_fp_mul_e8s24", fault: "" };
+/// The fault of the netlist that is the negative control: a digit of a product.
+const FAULT: &str = "raypath_fp_mul_e8s24, magnitude_6:";
 
 /// A random triangle, and a ray at a point in or near it, from near or far, perpendicular or grazing.
 fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {

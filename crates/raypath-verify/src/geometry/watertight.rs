@@ -2,7 +2,7 @@
 
 use super::aimed_rays::{AimedRay, PlacedMesh, Target, bodies};
 use super::campaign::{self, Tally};
-use super::pipeline::{self, Pair, Pipeline, Place, SAMPLED};
+use super::pipeline::{self, Pair, Pipeline, SAMPLED};
 use super::vector::{cross, dot, minus};
 use super::visibility::{Visibility, visibility};
 use crate::{Error, Request, Verdict};
@@ -49,8 +49,8 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     Ok(pipeline::joined(verdict, on_netlist, "judged"))
 }
 
-/// The fault of the netlist that is the negative control: an edge that belongs to no face.
-const FAULT: Place = Place { module: "raypath_stage_10", fault: "triangle_edge_u_at_least_zero" };
+/// The fault of the netlist that is the negative control: only U = +0 counts as at least zero.
+const FAULT: &str = "triangle_edge_u_at_least_zero: Or becomes And";
 
 /// The configuration of the netlist that geometry judges.
 pub fn on_netlist(rules: Rules, rounding: Rounding) -> Config {

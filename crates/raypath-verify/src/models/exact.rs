@@ -127,7 +127,9 @@ impl<'s> Stream<'s> {
     /// The first job for which oracle and functional model differ, and how.
     fn difference(&self, mut oracle: Oracle, length: u64) -> Option<(u64, String)> {
         let mut model = self.model.clone();
-        (0..length).zip(self.jobs()).find_map(|(index, job)| Some((index, differs(&mut oracle, &mut model, &job).err()?)))
+        (0..length)
+            .zip(self.jobs())
+            .find_map(|(index, job)| Some((index, differs(&mut oracle, &mut model, &job).err()?)))
     }
 
     /// Runs the stream up to the first wrong outcome.
@@ -175,7 +177,9 @@ impl<'s> Stream<'s> {
         let command = format!("raypath replay {} --engine model {}", path.display(), self.subject.options());
         let (subject, jobs) = (self.subject, stream.len());
         let command = command.trim_end();
-        Ok(format!("{subject}, stream {chunk}, job {job}: {what}\n           shrunk to {jobs} jobs; to replay it: {command}"))
+        Ok(format!(
+            "{subject}, stream {chunk}, job {job}: {what}\n           shrunk to {jobs} jobs; to replay it: {command}"
+        ))
     }
 }
 

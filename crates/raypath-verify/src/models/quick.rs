@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::in_order::InOrder;
-use crate::coverage::{Coverage, CoverageModel, JobPath};
+use crate::coverage::{Counted, Coverage, CoverageModel, JobPath};
 use crate::files;
 use crate::layout::Layout;
 use crate::oracle::{Oracle, quick};
@@ -83,7 +83,7 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
     let Tally { jobs, coverage, wrong } = shards.into_iter().fold(Tally::new(&points), Tally::and);
     let mut verdict = Verdict { is_stopped, ..Verdict::default() };
     verdict.covered = format!("{jobs} jobs of {CONFIG} through quick oracle, functional and cycle-exact model");
-    verdict.remarks.push(format!("{}, counted for one job in {COUNTED}", coverage.remark(&points, false)));
+    verdict.remarks.push(format!("{}, counted for one job in {COUNTED}", coverage.remark(&points, Counted::AtEntry)));
     if let Some(wrong) = wrong {
         verdict.failures.push(report(&subject, seed, &wrong, folder)?);
     }
@@ -177,7 +177,8 @@ impl<'s> Chunk<'s> {
                 return failure(index, what);
             }
             if index < EXACT {
-                let (quick, exact) = (model.paper_outcome(&expected), exact.run(&model.job_of_words(kind, &words)).ok());
+                let (quick, exact) =
+                    (model.paper_outcome(&expected), exact.run(&model.job_of_words(kind, &words)).ok());
                 if quick != exact {
                     let what = format!("the quick oracle's outcome is {quick:?}, the exact oracle's {exact:?}");
                     return failure(index, what);

@@ -71,9 +71,10 @@ fn nearest_first(arithmetic: &Arithmetic, mut entries: Vec<Entry>) -> Vec<Entry>
 /// Both ends of the slabs along the ray, near and far, by ruling 1.
 fn ends(arithmetic: &Arithmetic, slabs: [Slab<Number>; 3], backwards: [bool; 3]) -> ([Number; 3], [Number; 3]) {
     let is_ignored = arithmetic.makes(Mistake::DirectionIgnored);
-    let mut pairs = slabs.into_iter().zip(backwards).map(|(Slab { min, max }, is_backwards)| {
-        if is_backwards && !is_ignored { (max, min) } else { (min, max) }
-    });
+    let mut pairs = slabs
+        .into_iter()
+        .zip(backwards)
+        .map(|(Slab { min, max }, is_backwards)| if is_backwards && !is_ignored { (max, min) } else { (min, max) });
     let mut next = || pairs.next().unwrap_or((Number::Nan, Number::Nan));
     let [(x, fx), (y, fy), (z, fz)] = [next(), next(), next()];
     ([x, y, z], [fx, fy, fz])
@@ -92,8 +93,7 @@ fn limits(arithmetic: &Arithmetic, near: [Number; 3], far: [Number; 3], extent: 
 /// The distances of a box's planes.
 fn distances(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3]) -> [Slab<Number>; 3] {
     std::array::from_fn(|axis| {
-        let distance =
-            |bound| arithmetic.mul(&arithmetic.sub(bound, &inputs.origin[axis]), &inputs.inverse[axis]);
+        let distance = |bound| arithmetic.mul(&arithmetic.sub(bound, &inputs.origin[axis]), &inputs.inverse[axis]);
         Slab { min: distance(&bounds[axis].min), max: distance(&bounds[axis].max) }
     })
 }
@@ -141,9 +141,8 @@ fn by_bounds(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3
     let (toward_by_4, away_by_4) = (way(Outward::TowardZero, 4), way(Outward::AwayFromZero, 4));
     let mut near = Vec::new();
     let mut far = Vec::new();
-    for axis in 0..3 {
+    for (axis, Slab { min, max }) in bounds.iter().enumerate() {
         let (inverse, origin) = (&inputs.inverse[axis], &inputs.origin[axis]);
-        let Slab { min, max } = &bounds[axis];
         let (first, last) = if inverse.is_negative() { (max, min) } else { (min, max) };
         let relative = |bound| arithmetic.sub(bound, origin);
         near.push(toward(&arithmetic.mul(&toward(&relative(first)), &toward_by_4(inverse))));

@@ -178,7 +178,7 @@ impl Arithmetic {
         }
         let way = if self.makes(Mistake::TiesAway) { Rounding::NearestTiesAway } else { Rounding::NearestEven };
         let is_tiny = exact.exponent() < self.exponents.0;
-        let rounded = exact.clone().to_multiple(place, way);
+        let rounded = exact.clone().rounded_to(place, way);
         if rounded != exact {
             self.raise(if is_tiny { INEXACT | UNDERFLOW } else { INEXACT });
         }
@@ -273,7 +273,7 @@ impl Arithmetic {
         };
         let log = terms.len().next_power_of_two().ilog2() as i32;
         let window = if self.makes(Mistake::ShortWindow) { self.significand } else { self.significand + log };
-        let truncated = |value: Dyadic| value.to_multiple(greatest - window + 1, Rounding::TowardZero);
+        let truncated = |value: Dyadic| value.rounded_to(greatest - window + 1, Rounding::TowardZero);
         let total = values.into_iter().map(truncated).fold(Dyadic::default(), |total, term| &total + &term);
         self.rounded(total)
     }
@@ -296,7 +296,7 @@ impl Arithmetic {
         };
         let place = self.last_place(&magnitude, bits as i32);
         let rounding = if way == Outward::TowardZero { Rounding::TowardZero } else { Rounding::AwayFromZero };
-        let rounded = magnitude.to_multiple(place, rounding);
+        let rounded = magnitude.rounded_to(place, rounding);
         let (least, greatest) = self.exponents;
         if rounded.sign().is_eq() || rounded.exponent() <= least {
             return zero;

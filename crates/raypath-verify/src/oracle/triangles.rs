@@ -25,8 +25,8 @@ impl Triangle {
         let [kx, ky, kz] = inputs.axes;
         let [sx, sy, sz] = &inputs.shear;
         let [a, b, c] = inputs.vertices.each_ref().map(|vertex| {
-            let p: [Number; 3] = std::array::from_fn(|axis| sub(&vertex[axis], &inputs.origin[axis]));
-            [sub(&p[kx], &mul(sx, &p[kz])), sub(&p[ky], &mul(sy, &p[kz])), mul(sz, &p[kz])]
+            let [x, y, z] = [kx, ky, kz].map(|axis| sub(&vertex[axis], &inputs.origin[axis]));
+            [sub(&x, &mul(sx, &z)), sub(&y, &mul(sy, &z)), mul(sz, &z)]
         });
         let edge = |p: &[Number; 3], q: &[Number; 3]| sub(&mul(&p[0], &q[1]), &mul(&p[1], &q[0]));
         let edges = [edge(&c, &b), edge(&a, &c), edge(&b, &a)];
@@ -96,7 +96,13 @@ impl Triangle {
         let is_right = |order: Option<Ordering>| match (rules, order) {
             (Rules::Chisel, None) => true,
             (_, None) => false,
-            (_, Some(order)) => if is_open { order.is_lt() } else { order.is_le() },
+            (_, Some(order)) => {
+                if is_open {
+                    order.is_lt()
+                } else {
+                    order.is_le()
+                }
+            }
         };
         is_right(near.order(&t_num)) && is_right(t_num.order(&far))
     }

@@ -95,7 +95,7 @@ impl Scene {
         let (inverse, shear) = (ray.inv.into(), ray.shear.into());
         let t_min = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(0.0..1.5) };
         let number = |rng: &mut ChaCha8Rng| rng.random_range(-1.0_f32..1.0);
-        let node = Node { origin: point(1.0, rng), scale: [1.0 / 128.0; 3], offsets: offsets(0..256, rng) };
+        let node = Node::of([-2.0; 3], [1.0 / 64.0; 3], &boxes);
         let (centre, radius) = (point(1.0, rng), rng.random_range(-1.0..1.0));
         let (centre, radius) = if rng.random_bool(0.5) { (triangle[0], radius) } else { (centre, radius) };
         Self {
@@ -123,11 +123,11 @@ impl Scene {
         const DIRECTIONS: [f32; 9] = [1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 0.0, -0.0, 1.0];
         let small = |rng: &mut ChaCha8Rng| one_of(&[-2.0, -1.0, -0.0, 0.0, 1.0, 2.0], rng);
         let origin = std::array::from_fn(|_| small(rng));
-        let is_zero = rng.random_bool(0.12);
+        let is_zero = rng.random_bool(0.16);
         let direction: Point =
             if is_zero { [0.0, -0.0, 0.0] } else { std::array::from_fn(|_| one_of(&DIRECTIONS, rng)) };
         let extent = match rng.random_range(0..20) {
-            0..6 if is_zero => f32::NAN,
+            0..8 if is_zero => f32::NAN,
             0..11 => f32::INFINITY,
             11 => one_of(&[f32::NAN, -1.0, -0.0, f32::NEG_INFINITY], rng),
             _ => one_of(&[0.0, 1.0, 2.0, 3.0, 4.0], rng),
@@ -140,7 +140,7 @@ impl Scene {
         let triangle = std::array::from_fn(|_| std::array::from_fn(|_| small(rng)));
         let inverse = direction.map(|d| 1.0 / d);
         let scale = std::array::from_fn(|_| one_of(&[0.5, 1.0, 1.0, 2.0], rng));
-        let node = Node { origin: std::array::from_fn(|_| small(rng)), scale, offsets: offsets(0..5, rng) };
+        let node = Node::of(std::array::from_fn(|_| small(rng) - 4.0), scale, &boxes);
         let whole = |rng: &mut ChaCha8Rng| rng.random_range(-8_i32..=8) as f32;
         let separators = std::array::from_fn(|_| if rng.random_bool(0.1) { f32::INFINITY } else { whole(rng) });
         Self {
@@ -179,13 +179,15 @@ fn random_box(rng: &mut ChaCha8Rng) -> [Point; 2] {
     if rng.random_bool(0.1) { [high, low] } else { [low, high] }
 }
 
-/// The offsets of four children, each below `range`'s end; one in ten has its bounds exchanged.
-fn offsets(range: std::ops::Range<u64>, rng: &mut ChaCha8Rng) -> [[[u64; 2]; 3]; 4] {
-    std::array::from_fn(|_| {
-        let is_exchanged = rng.random_bool(0.1);
-        std::array::from_fn(|_| {
-            let [a, b] = [rng.random_range(range.clone()), rng.random_range(range.clone())];
-            if is_exchanged { [a.max(b), a.min(b)] } else { [a.min(b), a.max(b)] }
-        })
-    })
+impl Node {
+    /// The node of this place with the first four boxes as children, as far as it reaches.
+    fn of(origin: Point, scale: Point, boxes: &[[Point; 2]; BOXES]) -> Self {
+        let offset = |child: usize, axis: usize, bound: usize| {
+            let units = (boxes[child][bound][axis] - origin[axis]) / scale[axis];
+            if units.is_finite() { units.round().clamp(0.0, 255.0) as u64 } else { 0 }
+        };
+        let slab = |child, axis| [offset(child, axis, 0), offset(child, axis, 1)];
+        let child = |child| [slab(child, 0), slab(child, 1), slab(child, 2)];
+        Self { origin, scale, offsets: [child(0), child(1), child(2), child(3)] }
+    }
 }

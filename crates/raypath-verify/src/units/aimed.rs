@@ -44,7 +44,8 @@ const TYPES: [u32; 12] = [
 ];
 
 fn pair(rng: &mut ChaCha8Rng, index: u64) -> (u32, u32) {
-    let signs = |rng: &mut ChaCha8Rng, (a, b): (u32, u32)| (a ^ rng.random::<u32>() & SIGN, b ^ rng.random::<u32>() & SIGN);
+    let signs =
+        |rng: &mut ChaCha8Rng, (a, b): (u32, u32)| (a ^ rng.random::<u32>() & SIGN, b ^ rng.random::<u32>() & SIGN);
     let types = 2 * TYPES.len() as u64;
     if index < types * types {
         let word = |kind: u64| TYPES[kind as usize % TYPES.len()] | if kind < types / 2 { 0 } else { SIGN };

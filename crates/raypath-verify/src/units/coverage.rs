@@ -45,7 +45,7 @@ const MODELS: [(&str, &[Operation]); 11] = [
 type Point = (usize, Operation, u32);
 
 /// The points that cases have hit.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Default)]
 pub struct Covered {
     points: BTreeSet<(usize, usize, u32)>,
 }
@@ -66,11 +66,6 @@ impl Covered {
                 self.points.insert((model, index, case));
             }
         }
-    }
-
-    /// The points of two lists.
-    pub fn join(&mut self, other: Self) {
-        self.points.extend(other.points);
     }
 
     /// The number of points that can be hit, and a line for each model with points that are not.
@@ -163,7 +158,7 @@ fn results(exact: &Dyadic, mut hit: impl FnMut(&str, u32)) {
     // The last place of the result, and that of a result with any exponent.
     let place = exponent.max(LEAST_EXPONENT) - SIGNIFICAND + 1;
     let any_place = exponent - SIGNIFICAND + 1;
-    let truncated = exact.abs().to_multiple(place, Rounding::TowardZero);
+    let truncated = exact.abs().rounded_to(place, Rounding::TowardZero);
     let rest = &exact.abs() - &truncated;
     let half = Dyadic::power_of_two(place - 1);
     let units = truncated.multiples_of(place);
@@ -185,7 +180,7 @@ fn results(exact: &Dyadic, mut hit: impl FnMut(&str, u32)) {
         let half = Dyadic::power_of_two(LEAST_EXPONENT - SIGNIFICAND);
         hit("B6", 3 * sign + (exact.abs().cmp(&half) as i32 + 1) as u32);
     }
-    let rounded = exact.abs().to_multiple(any_place, Rounding::NearestEven);
+    let rounded = exact.abs().rounded_to(any_place, Rounding::NearestEven);
     let units = |of: &Dyadic, place| of.multiples_of(place) as i64;
     if (GREATEST_EXPONENT..=GREATEST_EXPONENT + 1).contains(&rounded.exponent()) {
         // From 3 units below the largest number to 3 above, in its units.
@@ -198,7 +193,7 @@ fn results(exact: &Dyadic, mut hit: impl FnMut(&str, u32)) {
     if rounded.exponent() > GREATEST_EXPONENT + 1 {
         hit("B4", 8 * sign + 7);
     }
-    let subnormal = exact.abs().to_multiple(LEAST_EXPONENT - SIGNIFICAND + 1, Rounding::NearestEven);
+    let subnormal = exact.abs().rounded_to(LEAST_EXPONENT - SIGNIFICAND + 1, Rounding::NearestEven);
     if exponent <= LEAST_EXPONENT {
         // From zero to 3 units, and around the least normal number.
         let code = units(&subnormal, LEAST_EXPONENT - SIGNIFICAND + 1);

@@ -109,8 +109,7 @@ fn verify(
     let Arguments { level, jobs, seed, division: DivisionArguments { shard, .. }, .. } = *arguments;
     let added = arguments.datapath.specs.iter().map(|spec| spec.name().to_string()).collect();
     let is_chosen = !arguments.datapath.is_default();
-    let mut request =
-        Request { config, added, is_chosen, level, jobs, seed, shard, parts, proceed: &mut watch };
+    let mut request = Request { config, added, is_chosen, level, jobs, seed, shard, parts, proceed: &mut watch };
     let verdict = match recorder {
         Some(recorder) => recorder.run(item, &mut request),
         None => (item.run)(&mut request),

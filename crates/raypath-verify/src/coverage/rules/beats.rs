@@ -23,7 +23,8 @@ impl AccumulatorState {
 
 /// What a beat of a distance can exercise, as far as it is known when it enters, and its accumulator.
 pub fn rules_at_entry(job: &Job<'_>) -> (Vec<Rule>, Vec<usize>) {
-    let lanes = job.fields.iter().filter(|field| matches!(field, Field::Lane { of_candidate: true, .. })).count() as u32;
+    let lanes =
+        job.fields.iter().filter(|field| matches!(field, Field::Lane { of_candidate: true, .. })).count() as u32;
     let mask = job.word(Field::Mask).unwrap_or(0);
     // An angular beat's mask has bits for the lanes that it lacks.
     let mask = mask & u64::MAX.checked_shr(64 - lanes).unwrap_or(0);
@@ -49,7 +50,10 @@ pub fn rules_at_entry(job: &Job<'_>) -> (Vec<Rule>, Vec<usize>) {
         ("the beat carries reset", is_last),
         ("the beat does not carry reset", !is_last),
     ]);
-    (of_lanes.into_iter().chain(others).collect(), job.word(Field::Accumulator).map(|word| word as usize).into_iter().collect())
+    (
+        of_lanes.into_iter().chain(others).collect(),
+        job.word(Field::Accumulator).map(|word| word as usize).into_iter().collect(),
+    )
 }
 
 /// What a beat can exercise that is known only when it leaves.
