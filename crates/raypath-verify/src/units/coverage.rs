@@ -1,9 +1,9 @@
-//! Coverage of the operands of binary32 units, by the models of IBM's floating-point test suite (A. Aharoni, M. Asaf
-//! and others, "FPGen: a deep-knowledge test generator for floating-point verification", Haifa; the list is that of the
-//! repository `cover-float`) that concern addition, multiplication and comparison with rounding to nearest.
+//! Coverage of the operands of binary32 units, by the models of IBM's "Floating-Point Test-Suite for IEEE" (IBM Labs in
+//! Haifa, FPgen team; the repository `cover-float` lists them) that concern addition, multiplication and comparison with
+//! rounding to nearest.
 //!
 //! Left out are the models of other operations (fused products, division, roots, conversions: B14 to B18, B20 to B29),
-//! and B2 and B11, which name operands near to those of B1, and shifts of those of B9.
+//! and B2, B11 and B13, whose operands are near to those of B1, B9 and B5.
 
 use crate::geometry::dyadic::{Dyadic, Rounding};
 use std::collections::{BTreeMap, BTreeSet};
