@@ -1,18 +1,18 @@
 //! Random campaigns: netlist, cycle-exact model and functional model in lockstep, under random jobs, handshakes and
-//! resets.
+//! resets. Every coverage point that can be reached must be hit.
 
 mod episode;
 mod failure;
 
-use crate::coverage::{Coverage, CoverageModel};
+use crate::coverage::{Counted, Coverage, CoverageModel};
 use crate::files;
 use crate::layout::Layout;
-use crate::{Error, Request, Verdict};
+use crate::subjects::{self, Subject};
+use crate::{Error, Level, Request, Verdict};
 use episode::{Episode, JOBS_PER_EPISODE};
 use failure::{Failure, report};
 use raypath_hdl::Module;
 use raypath_model::{Shape, WordModel};
-use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::{NetlistEngine, shape};
 use raypath_tools::pool::{self, Queue};
 use serde::{Deserialize, Serialize};
@@ -23,18 +23,43 @@ use std::sync::atomic::Ordering;
 /// The folder of the item's files, relative to the working directory.
 pub const FOLDER: &str = "build/verify";
 
-/// Runs the campaign on a configuration's netlist. Writes the coverage to `coverage.txt` in `folder`, and failures to
-/// subfolders.
+/// The number of jobs for each operation from which on a coverage point without a hit is a failure.
+const ENOUGH: u64 = 75_000;
+/// The number of jobs for each operation from which on a point must have a hit on each path.
+const ENOUGH_FOR_PATHS: u64 = 250_000;
+/// The number of jobs for each operation of a datapath at level full.
+const JOBS_AT_FULL: u64 = 100_000;
+
+/// Runs the campaign on the request's datapath; at level full also on every datapath of [`subjects`], unless the user
+/// chose one. Writes the coverage to files in `folder`, and failures to subfolders.
 ///
 /// # Errors
-/// The configuration cannot be elaborated, or a file cannot be written.
+/// A configuration cannot be elaborated, or a file cannot be written.
 pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
-    let datapath = Datapath::new(request.config)?;
-    verify_module(request, datapath.top(), &shape(request.config, &datapath), folder)
+    let jobs = jobs(request);
+    let one = Campaign::new(request, vec![Entry::new(Subject::of(request))?], jobs).run(request, folder)?;
+    if request.is_chosen || request.level == Level::Regression || one.is_stopped {
+        return Ok(one);
+    }
+    let entries = subjects::all().into_iter().map(Entry::new).collect::<Result<Vec<_>, _>>()?;
+    let most = entries.iter().map(|entry| entry.model.kinds().len() as u64).max().unwrap_or(0);
+    let jobs = request.level.pick(0, JOBS_AT_FULL, 3 * JOBS_AT_FULL) * most;
+    let each = Campaign::new(request, entries, jobs).run(request, folder)?;
+    Ok(Verdict {
+        covered: format!("{}; {}", one.covered, each.covered),
+        failures: [one.failures, each.failures].concat(),
+        remarks: [one.remarks, each.remarks].concat(),
+        is_stopped: each.is_stopped,
+    })
 }
 
-/// Runs the campaign on a module with the ports of the request's configuration and this pipeline shape. The module is
-/// compared with the configuration's models.
+/// The number of jobs of a single datapath.
+fn jobs(request: &Request<'_>) -> u64 {
+    request.jobs.unwrap_or(request.level.pick(1_000_000, 45_000_000, 450_000_000))
+}
+
+/// Runs the campaign on a module with the ports of the request's datapath and this pipeline shape. The module is
+/// compared with the datapath's models.
 ///
 /// # Errors
 /// The module has other ports, or a file cannot be written.
@@ -44,101 +69,154 @@ pub fn verify_module(
     shape: &Shape,
     folder: &Path,
 ) -> Result<Verdict, Error> {
-    let jobs = request.jobs.unwrap_or(request.level.pick(300_000, 45_000_000, 450_000_000));
-    let (config, seed) = (request.config, request.seed);
-    let episodes = jobs.div_ceil(JOBS_PER_EPISODE as u64);
-    let cases = request.cases(episodes, 1);
-    let campaign = Campaign { config, seed, top, shape, model: raypath_sim::Datapath::paper(config).model() };
-    let points = campaign.coverage_model();
-    let mut is_stopped = false;
-    let shards = request.parts.phase(|| {
-        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| campaign.work(queue))?;
-        is_stopped = finished.is_stopped;
-        Ok::<_, Error>(joined(&points, finished.workers))
-    })?;
-    let (coverage, tally) = joined(&points, shards);
-    let presented = tally.episodes * JOBS_PER_EPISODE as u64;
-    let mut verdict = Verdict { is_stopped, ..Verdict::default() };
-    verdict.covered = format!("{} netlist cycles, {presented} jobs, {} episodes", tally.cycles, tally.episodes);
-    let path = folder.join("coverage.txt");
-    files::write(&path, &coverage.table(&points))?;
-    verdict.remarks.push(format!("{} ({})", coverage.remark(&points, true), path.display()));
-    if let Some(failure) = tally.failure {
-        verdict.failures.push(campaign.report(&failure, folder)?);
-    }
-    Ok(verdict)
+    let entry = Entry { top: top.clone(), shape: shape.clone(), ..Entry::new(Subject::of(request))? };
+    let jobs = jobs(request);
+    Campaign::new(request, vec![entry], jobs).run(request, folder)
 }
 
-/// The sum of the counts of workers or shards.
-fn joined(points: &CoverageModel, counts: Vec<(Coverage, Tally)>) -> (Coverage, Tally) {
-    let mut all = (Coverage::new(points), Tally::default());
-    for (covered, counted) in counts {
-        all.0.add(&covered);
-        all.1.add(counted);
+/// A datapath, and the module that is compared with its models.
+struct Entry {
+    subject: Subject,
+    top: Arc<Module>,
+    shape: Shape,
+    model: WordModel,
+    layout: Layout,
+    points: CoverageModel,
+}
+
+impl Entry {
+    fn new(subject: Subject) -> Result<Self, Error> {
+        let datapath = subject.datapath();
+        let (netlist, model) = (datapath.elaborate()?, datapath.model());
+        let shape = shape(subject.config, &netlist);
+        let points = CoverageModel::new(subject.config.semantics, &shape, &model);
+        Ok(Self { top: netlist.top().clone(), layout: Layout::of(&model), subject, shape, model, points })
     }
-    all
+
+    fn netlist(&self) -> Result<NetlistEngine, Error> {
+        let (model, shape) = (self.model.clone(), self.shape.clone());
+        Ok(NetlistEngine::of_module(model, self.subject.config, &self.top, shape, |_| false)?)
+    }
+
+    fn episode(&self, seed: u64, number: u64) -> Episode {
+        Episode::new(&self.model, &self.layout, seed, number)
+    }
 }
 
 /// The counts of a worker, or of all.
-#[derive(Default, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 struct Tally {
     cycles: u64,
     episodes: u64,
+    /// Of each datapath.
+    coverage: Vec<Coverage>,
     /// The failure with the smallest episode number.
     failure: Option<Failure>,
 }
 
 impl Tally {
-    fn add(&mut self, other: Self) {
+    fn and(mut self, other: Self) -> Self {
         self.cycles += other.cycles;
         self.episodes += other.episodes;
-        self.failure = self.failure.take().into_iter().chain(other.failure).min_by_key(|failure| failure.episode);
+        self.coverage.iter_mut().zip(&other.coverage).for_each(|(coverage, more)| coverage.add(more));
+        self.failure = self.failure.into_iter().chain(other.failure).min_by_key(|failure| failure.episode);
+        self
     }
 }
 
-/// The subject of a campaign.
-struct Campaign<'c> {
-    config: Config,
+/// Datapaths, each with the same number of episodes.
+struct Campaign {
     seed: u64,
-    top: &'c Arc<Module>,
-    shape: &'c Shape,
-    model: WordModel,
+    entries: Vec<Entry>,
+    episodes: u64,
 }
 
-impl Campaign<'_> {
+impl Campaign {
+    fn new(request: &Request<'_>, entries: Vec<Entry>, jobs: u64) -> Self {
+        Self { seed: request.seed, entries, episodes: jobs.div_ceil(JOBS_PER_EPISODE as u64) }
+    }
+
+    fn run(&self, request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
+        let cases = request.cases(self.episodes * self.entries.len() as u64, 1);
+        let mut is_stopped = false;
+        let shards = request.parts.phase(|| {
+            let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| self.work(queue))?;
+            is_stopped = finished.is_stopped;
+            Ok::<_, Error>(finished.workers.into_iter().fold(self.tally(), Tally::and))
+        })?;
+        let tally = shards.into_iter().fold(self.tally(), Tally::and);
+        self.verdict(tally, is_stopped, folder)
+    }
+
+    fn tally(&self) -> Tally {
+        let coverage = self.entries.iter().map(|entry| Coverage::new(&entry.points)).collect();
+        Tally { cycles: 0, episodes: 0, coverage, failure: None }
+    }
+
     /// Runs episodes of the queue.
-    fn work(&self, queue: &Queue<Error>) -> Result<(Coverage, Tally), Error> {
-        let points = self.coverage_model();
-        let layout = Layout::of(&self.model);
-        let mut netlist = self.netlist()?;
-        let (mut coverage, mut tally) = (Coverage::new(&points), Tally::default());
+    fn work(&self, queue: &Queue<Error>) -> Result<Tally, Error> {
+        let mut tally = self.tally();
+        let mut compiled: Option<(usize, NetlistEngine)> = None;
         queue.run(|number, stop| {
-            let episode = Episode::new(&self.model, &layout, self.config, self.seed, number);
-            let found = episode.run(&mut netlist, &self.model, Some((&points, &mut coverage)));
-            let what = found.differences.into_iter().next();
-            if what.is_some() {
+            let index = (number / self.episodes) as usize;
+            let entry = &self.entries[index];
+            let (_, netlist) = match compiled.take_if(|(of, _)| *of == index) {
+                Some(same) => compiled.insert(same),
+                None => compiled.insert((index, entry.netlist()?)),
+            };
+            let coverage = Some((&entry.points, &mut tally.coverage[index]));
+            let found = entry.episode(self.seed, number).run(netlist, &entry.model, coverage);
+            tally.cycles += found.cycles;
+            tally.episodes += 1;
+            if let Some(what) = found.differences.into_iter().next() {
                 stop.store(true, Ordering::Relaxed);
+                tally.failure.get_or_insert(Failure { episode: number, what });
             }
-            let failure = what.map(|what| Failure { episode: number, what });
-            tally.add(Tally { cycles: found.cycles, episodes: 1, failure });
             Ok(())
         });
-        Ok((coverage, tally))
+        Ok(tally)
     }
 
-    fn coverage_model(&self) -> CoverageModel {
-        CoverageModel::new(self.config, self.shape, Layout::of(&self.model))
-    }
-
-    fn netlist(&self) -> Result<NetlistEngine, Error> {
-        Ok(NetlistEngine::of_module(self.model.clone(), self.config, self.top, self.shape.clone(), |_| false)?)
+    fn verdict(&self, tally: Tally, is_stopped: bool, folder: &Path) -> Result<Verdict, Error> {
+        let Tally { cycles, episodes, coverage, failure } = tally;
+        let (presented, count) = (episodes * JOBS_PER_EPISODE as u64, self.entries.len());
+        let of = if count == 1 { String::new() } else { format!(" of {count} datapaths") };
+        let mut verdict = Verdict { is_stopped, ..Verdict::default() };
+        verdict.covered = format!("{cycles} netlist cycles, {presented} jobs, {episodes} episodes{of}");
+        let is_whole = episodes == self.episodes * count as u64 && failure.is_none();
+        let (mut text, mut points, mut is_covered) = (String::new(), 0, true);
+        for (entry, coverage) in self.entries.iter().zip(&coverage) {
+            if count > 1 {
+                text += &format!("# {}\n", entry.subject);
+            }
+            text += &coverage.table(&entry.points);
+            let jobs = self.episodes * JOBS_PER_EPISODE as u64 / entry.model.kinds().len().max(1) as u64;
+            let counted = if jobs >= ENOUGH_FOR_PATHS { Counted::ByPath } else { Counted::OnAnyPath };
+            let (total, uncovered) = coverage.uncovered(&entry.points, counted);
+            points += total;
+            if !uncovered.is_empty() {
+                is_covered = false;
+                let remark = coverage.remark(&entry.points, counted);
+                let to = if is_whole && jobs >= ENOUGH { &mut verdict.failures } else { &mut verdict.remarks };
+                to.push(if count == 1 { remark } else { format!("{}: {remark}", entry.subject) });
+            }
+        }
+        let path = folder.join(if count == 1 { "coverage.txt" } else { "coverage-of-all.txt" });
+        files::write(&path, &text)?;
+        let all = if is_covered { "all are covered" } else { "some are not covered" };
+        verdict.remarks.push(format!("{points} coverage points, {all} ({})", path.display()));
+        if let Some(failure) = failure {
+            verdict.failures.push(self.report(&failure, folder)?);
+        }
+        Ok(verdict)
     }
 
     /// Shrinks a failure and writes it to files.
     fn report(&self, failure: &Failure, folder: &Path) -> Result<String, Error> {
-        let layout = Layout::of(&self.model);
-        let episode = Episode::new(&self.model, &layout, self.config, self.seed, failure.episode);
+        let entry = &self.entries[(failure.episode / self.episodes) as usize];
+        let trace = entry.episode(self.seed, failure.episode).trace();
         let folder = folder.join(format!("failure-{}-{}", self.seed, failure.episode));
-        report(&mut self.netlist()?, &self.model, self.config, episode.trace(), failure, &folder)
+        let message = report(&mut entry.netlist()?, &entry.model, &entry.subject, trace, failure, &folder)?;
+        Ok(if self.entries.len() == 1 { message } else { format!("{}, {message}", entry.subject) })
     }
 }

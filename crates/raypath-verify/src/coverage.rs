@@ -7,7 +7,7 @@ mod operands;
 mod rules;
 mod tracker;
 
-pub use counts::Coverage;
+pub use counts::{Counted, Coverage};
 pub use handshakes::Handshakes;
 pub use model::{CoverageModel, CoveragePoint, JobEnd, JobPath, JobPoints};
 pub use tracker::Tracker;

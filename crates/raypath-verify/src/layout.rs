@@ -1,12 +1,12 @@
 //! The meaning of each word of a job.
 
 use raypath_model::WordModel;
-use raypath_ops::JobKind;
 
 /// The fields of each operation's jobs, in the order of the words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
-    fields: [Vec<Field>; JobKind::ALL.len()],
+    /// The operations' names, in the order of their opcodes, with the fields of their jobs.
+    operations: Vec<(&'static str, Vec<Field>)>,
 }
 
 /// The meaning of a word. Axes are 0 to 2.
@@ -26,7 +26,7 @@ pub enum Field {
     Axis(usize),
     /// A bound of a box.
     Bound {
-        /// The box, 0 to 3.
+        /// The box, 0 to 7.
         index: usize,
         /// The axis.
         axis: usize,
@@ -47,10 +47,41 @@ pub enum Field {
         /// The lane.
         lane: usize,
     },
+    /// The least distance of a hit.
+    TMin,
     /// The mask of enabled lanes: no number.
     Mask,
     /// Whether the beat is its vector's last: no number.
     Reset,
+    /// The index of an accumulator: no number.
+    Accumulator,
+    /// The tag: no number.
+    Tag,
+    /// A key.
+    Key,
+    /// A separator of a node's keys.
+    Separator(usize),
+    /// A coordinate of a point.
+    Point(usize),
+    /// A coordinate of a compressed node's origin.
+    NodeOrigin(usize),
+    /// A scale of a compressed node.
+    NodeScale(usize),
+    /// A bound of a child in a compressed node: no number.
+    Offset {
+        /// The child, 0 to 3.
+        child: usize,
+        /// The axis.
+        axis: usize,
+        /// Whether it is the upper bound.
+        is_max: bool,
+    },
+    /// Which children of a compressed node are used: no number.
+    Used,
+    /// A coordinate of a sphere's centre.
+    Centre(usize),
+    /// A sphere's radius.
+    Radius,
     /// A port of unknown meaning.
     Unknown,
 }
@@ -58,21 +89,21 @@ pub enum Field {
 impl Layout {
     /// The layout of a model's jobs.
     pub fn of(model: &WordModel) -> Self {
-        let inputs = |kind: JobKind| model.kind(kind.name()).map_or(&[][..], |kind| model.inputs(kind));
-        let fields = |kind| inputs(kind).iter().map(|port| Field::of(&port.name)).collect();
-        Self { fields: JobKind::ALL.map(fields) }
+        let fields = |kind| model.inputs(kind).iter().map(|port| Field::of(&port.name)).collect();
+        Self { operations: model.kinds().into_iter().map(|kind| (kind.name(), fields(kind))).collect() }
     }
 
-    /// The fields of an operation's jobs.
-    pub fn fields(&self, kind: JobKind) -> &[Field] {
-        &self.fields[kind as usize]
+    /// The fields of the jobs of the operation of this name; none if there is no such operation.
+    pub fn fields(&self, name: &str) -> &[Field] {
+        self.operations.iter().find(|(known, _)| *known == name).map_or(&[], |(_, fields)| fields)
     }
 }
 
 impl Field {
     /// Whether the word is a number.
     pub fn is_number(self) -> bool {
-        !matches!(self, Self::Axis(_) | Self::Mask | Self::Reset | Self::Unknown)
+        let is_word = matches!(self, Self::Axis(_) | Self::Mask | Self::Reset | Self::Accumulator | Self::Tag);
+        !(is_word || matches!(self, Self::Offset { .. } | Self::Used | Self::Unknown))
     }
 
     /// The field of a port, by the port's name.
@@ -81,6 +112,21 @@ impl Field {
         let axis = |name: &str| one_of("x y z", name);
         let parts: Vec<&str> = port.split('_').collect();
         let field = match parts.as_slice() {
+            ["t", "min"] => Some(Self::TMin),
+            ["accumulator"] => Some(Self::Accumulator),
+            ["tag"] => Some(Self::Tag),
+            ["key"] => Some(Self::Key),
+            ["separator", index] => index.parse().ok().map(Self::Separator),
+            ["point", name] => axis(name).map(Self::Point),
+            ["node", "origin", name] => axis(name).map(Self::NodeOrigin),
+            ["node", "scale", name] => axis(name).map(Self::NodeScale),
+            ["node", "child", child, name, bound] => child.parse().ok().zip(axis(name)).map(|(child, axis)| {
+                let is_max = *bound == "max";
+                Self::Offset { child, axis, is_max }
+            }),
+            ["node", "used"] => Some(Self::Used),
+            ["sphere", "centre", name] => axis(name).map(Self::Centre),
+            ["sphere", "radius"] => Some(Self::Radius),
             ["ray", "origin", name] => axis(name).map(Self::Origin),
             ["ray", "dir", name] => axis(name).map(Self::Direction),
             ["ray", "inv", name] => axis(name).map(Self::Inverse),
@@ -108,16 +154,15 @@ impl Field {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_rtl::Config;
-    use raypath_sim::Datapath;
+    use crate::subjects;
 
     #[test]
     fn every_port_is_known_and_distinct() {
-        let layout = Layout::of(&Datapath::paper(Config::DEFAULT).model());
-        for kind in JobKind::ALL {
-            let fields = layout.fields(kind);
-            assert!(!fields.contains(&Field::Unknown), "{kind}: {fields:?}");
-            assert!((1..fields.len()).all(|i| !fields[..i].contains(&fields[i])), "{kind}: {fields:?}");
+        for subject in subjects::all() {
+            for (name, fields) in Layout::of(&subject.datapath().model()).operations {
+                assert!(!fields.contains(&Field::Unknown), "{subject}, {name}: {fields:?}");
+                assert!((1..fields.len()).all(|i| !fields[..i].contains(&fields[i])), "{subject}, {name}: {fields:?}");
+            }
         }
     }
 }

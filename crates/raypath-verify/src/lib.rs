@@ -31,6 +31,7 @@ pub mod record;
 mod request;
 pub mod sat;
 pub mod stimuli;
+pub mod subjects;
 pub mod unit;
 pub mod units;
 

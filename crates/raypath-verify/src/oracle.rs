@@ -1,168 +1,165 @@
-//! The operations of Table VII by the rules of `docs/reference/semantics.md`, implemented independently from the text:
-//! in binary64, with each operation rounded once. For rules `paper`, 16 lanes and binary32.
+//! The outcome of every job, written from the text of `docs/reference` alone, in exact arithmetic with one rounding for
+//! each operation: all numbers of lanes, formats, rules, roundings, features and added operations.
 //!
-//! Why one rounding: binary64 has 53 ≥ 2·24 + 2 bits, so that rounding a sum, difference or product of binary32 numbers
-//! first to 53 and then to 24 bits gives the same as rounding once. If the result is subnormal, the binary64 one is
-//! exact (products have 48 bits, and sums that small are multiples of 2^-149).
+//! The oracle shares no function with the operations, the models or the units. A number is an integer times a power of
+//! two. [`quick`] computes the paper's operations of the default configuration in binary64, for more jobs; the item
+//! `models` compares it with this oracle.
 
-use raypath_ops::{
-    AngularOutput, Beat, BeatInput, Binary32, EuclideanOutput, Flags, Job, Num, Outcome, RayBoxInput, RayBoxOutput,
-    RayTriangleInput, RayTriangleOutput, Word,
-};
+mod added;
+mod boxes;
+mod distances;
+mod inputs;
+mod mistake;
+mod number;
+pub mod quick;
+mod triangles;
 
-/// The sum, rounded once.
-pub fn add(a: f32, b: f32) -> f32 {
-    (f64::from(a) + f64::from(b)) as f32
-}
+use crate::layout::Layout;
+use added::Sphere;
+use boxes::{Entry, Slabs};
+use distances::{Sums, Totals};
+use inputs::Inputs;
+pub use mistake::Mistake;
+use number::{Arithmetic, Number};
+use raypath_model::{WordModel, Words};
+use raypath_rtl::Semantics;
+use triangles::Triangle;
 
-/// The difference, rounded once.
-pub fn sub(a: f32, b: f32) -> f32 {
-    (f64::from(a) - f64::from(b)) as f32
-}
-
-/// The product, rounded once.
-pub fn mul(a: f32, b: f32) -> f32 {
-    (f64::from(a) * f64::from(b)) as f32
-}
-
-/// The operations by rules `paper`, with their accumulators.
-#[derive(Debug, Clone, Copy, Default)]
+/// The oracle of a datapath, with the accumulators of its distances.
 pub struct Oracle {
-    euclidean: f32,
-    dot_product: f32,
-    norm: f32,
+    semantics: Semantics,
+    /// The ports of jobs and outcomes; no outcome comes from the model.
+    ports: WordModel,
+    layout: Layout,
+    arithmetic: Arithmetic,
+    totals: Totals,
+}
+
+/// What an operation answers.
+enum Answer {
+    /// Boxes in the order of the outcome.
+    Boxes(Vec<Entry>),
+    Triangle(Triangle),
+    Euclidean {
+        sum: Number,
+        is_last: bool,
+    },
+    Angular {
+        sums: Sums,
+        is_last: bool,
+    },
+    Child(u64),
+    Inside(u64),
+    Sphere(Sphere),
 }
 
 impl Oracle {
-    /// The expected outcome of a job. A beat leaves its sum in the accumulator.
-    pub fn run(&mut self, job: &Job) -> Outcome {
-        match job {
-            Job::Triangle(input) => {
-                let steps = TriangleSteps::of(input);
-                Outcome::Triangle(RayTriangleOutput {
-                    t_num: steps.t_num.into(),
-                    t_denom: steps.t_denom.into(),
-                    triangle_hit: steps.hit_by_paper().into(),
-                })
-            }
-            Job::Quadbox(input) => quadbox_by_paper(input),
-            Job::Euclidean(input) => self.euclidean(input),
-            Job::Angular(input) => self.angular(input),
+    /// The oracle of a datapath with these semantics, whose model has the ports. The accumulators are zero.
+    pub fn new(semantics: Semantics, model: &WordModel) -> Self {
+        Self {
+            semantics,
+            layout: Layout::of(model),
+            ports: model.clone(),
+            arithmetic: Arithmetic::new(semantics.format),
+            totals: Totals::new(semantics.features.accumulators.count()),
         }
     }
 
-    fn euclidean(&mut self, input: &BeatInput<Binary32, 16>) -> Outcome {
-        let Beat { a, b, mask, reset_accum } = input.euclidean;
-        let lane = |i: usize| if bool::from(mask.0[i]) { sub(a[i].into(), b[i].into()) } else { 0.0 };
-        let squares: [f32; 16] = std::array::from_fn(|i| mul(lane(i), lane(i)));
-        let sum = add(self.euclidean, halving_tree(squares));
-        self.euclidean = if reset_accum.into() { 0.0 } else { sum };
-        Outcome::Euclidean(EuclideanOutput { euclidean_accumulator: sum.into(), euclidean_reset_accum: reset_accum })
+    /// The same oracle with a deliberate mistake: a negative control.
+    pub fn with(mut self, mistake: Mistake) -> Self {
+        self.arithmetic.mistake = Some(mistake);
+        self
     }
 
-    fn angular(&mut self, input: &BeatInput<Binary32, 8>) -> Outcome {
-        let Beat { a, b, mask, reset_accum } = input.euclidean;
-        let lane = |v: [Num<Binary32>; 8], i: usize| if bool::from(mask.0[i]) { f32::from(v[i]) } else { 0.0 };
-        let dots: [f32; 8] = std::array::from_fn(|i| mul(lane(a, i), lane(b, i)));
-        let squares: [f32; 8] = std::array::from_fn(|i| mul(lane(b, i), lane(b, i)));
-        let (dot, norm) = (add(self.dot_product, halving_tree(dots)), add(self.norm, halving_tree(squares)));
-        (self.dot_product, self.norm) = if reset_accum.into() { (0.0, 0.0) } else { (dot, norm) };
-        Outcome::Angular(AngularOutput {
-            angular_dot_product: dot.into(),
-            angular_norm: norm.into(),
-            angular_reset_accum: reset_accum,
+    /// The expected outcome of a job. A beat leaves its sum in an accumulator.
+    ///
+    /// # Errors
+    /// The operation or a port of its outcome is unknown.
+    pub fn run(&mut self, job: &Words) -> Result<Words, String> {
+        let (kind, name) = (job.kind(), job.kind().name());
+        self.arithmetic.raised.set(0);
+        let inputs = Inputs::read(self.layout.fields(name), job.as_words(), &self.arithmetic);
+        let answer = self.answer(name, &inputs).ok_or_else(|| format!("the oracle does not know {name}"))?;
+        let mut unknown = None;
+        let outcome = self.ports.outcome(kind, |port| match port {
+            "exception_flags" => self.arithmetic.raised.get(),
+            "tag" => inputs.tag,
+            port => answer.word(port, &self.arithmetic).unwrap_or_else(|| {
+                unknown = Some(port.to_string());
+                0
+            }),
+        });
+        unknown.map_or(Ok(outcome), |port| Err(format!("the oracle does not know the output {port} of {name}")))
+    }
+
+    fn answer(&mut self, name: &str, inputs: &Inputs) -> Option<Answer> {
+        let (semantics, arithmetic) = (self.semantics, &self.arithmetic);
+        let features = semantics.features;
+        Some(match name {
+            "quadbox" => {
+                let slabs = Slabs { rules: semantics.rules_in_full(), is_conservative: features.conservative };
+                Answer::Boxes(slabs.answer(arithmetic, inputs, 4))
+            }
+            "octbox" => Answer::Boxes(Slabs::PAPER.answer(arithmetic, inputs, 8)),
+            "quantised_box" => Answer::Boxes(boxes::quantised(arithmetic, inputs)),
+            "triangle" => Answer::Triangle(Triangle::of(arithmetic, semantics, inputs)),
+            "euclidean" => {
+                let sum = self.totals.euclidean(arithmetic, semantics.rounding, inputs);
+                Answer::Euclidean { sum, is_last: inputs.is_last }
+            }
+            "angular" => {
+                let sums = self.totals.angular(arithmetic, semantics.rounding, inputs);
+                Answer::Angular { sums, is_last: inputs.is_last }
+            }
+            "key_compare" => Answer::Child(added::child(arithmetic, inputs)),
+            "point_in_box" => Answer::Inside(added::inside(arithmetic, inputs)),
+            "sphere" => Answer::Sphere(Sphere::of(arithmetic, inputs)),
+            _ => return None,
         })
     }
+
+    /// A hardware reset: the accumulators are zero.
+    pub fn reset(&mut self) {
+        self.totals = Totals::new(self.semantics.features.accumulators.count());
+    }
 }
 
-/// Adds lanes i and i + w/2 until one sum is left.
-fn halving_tree<const N: usize>(mut lanes: [f32; N]) -> f32 {
-    let mut width = N;
-    while width > 1 {
-        width /= 2;
-        for i in 0..width {
-            lanes[i] = add(lanes[i], lanes[i + width]);
+impl Answer {
+    /// The word at an output port, by the port's name in `docs/integration/ports.md`.
+    fn word(&self, port: &str, arithmetic: &Arithmetic) -> Option<u64> {
+        let code = |number: &Number| Some(arithmetic.code(number));
+        let parts: Vec<&str> = port.trim_start_matches("octbox_").split('_').collect();
+        match (self, parts.as_slice()) {
+            (Self::Boxes(boxes), ["is", "intersect"]) => {
+                Some(boxes.iter().rev().fold(0, |word, entry| word << 1 | u64::from(entry.is_hit)))
+            }
+            (Self::Boxes(boxes), ["tmin", place]) => code(&boxes.get(place.parse::<usize>().ok()?)?.tmin),
+            (Self::Boxes(boxes), ["box", "index", place]) => {
+                Some(boxes.get(place.parse::<usize>().ok()?)?.index as u64)
+            }
+            (Self::Triangle(triangle), ["t", "num"]) => code(&triangle.t_num),
+            (Self::Triangle(triangle), ["t", "denom"]) => code(&triangle.t_denom),
+            (Self::Triangle(triangle), ["triangle", "hit"]) => Some(triangle.is_hit.into()),
+            (Self::Triangle(triangle), ["facing"]) => Some(triangle.is_front.into()),
+            (Self::Triangle(triangle), ["barycentric", edge]) => {
+                code(&triangle.edges[["u", "v", "w"].iter().position(|name| name == edge)?])
+            }
+            (Self::Euclidean { sum, .. }, ["euclidean", "accumulator"]) => code(sum),
+            (Self::Angular { sums, .. }, ["angular", "dot", "product"]) => code(&sums.dot_product),
+            (Self::Angular { sums, .. }, ["angular", "norm"]) => code(&sums.norm),
+            (Self::Euclidean { is_last, .. }, ["euclidean", "reset", "accum"])
+            | (Self::Angular { is_last, .. }, ["angular", "reset", "accum"]) => Some((*is_last).into()),
+            (Self::Child(child), ["child", "index"]) => Some(*child),
+            (Self::Inside(mask), ["is", "inside"]) => Some(*mask),
+            (Self::Sphere(sphere), ["sphere", part]) => match *part {
+                "a" => code(&sphere.a),
+                "b" => code(&sphere.b),
+                "c" => code(&sphere.c),
+                "discriminant" => code(&sphere.discriminant),
+                "hit" => Some(sphere.is_hit.into()),
+                _ => None,
+            },
+            _ => None,
         }
     }
-    lanes[0]
-}
-
-/// The intermediate values of the triangle operation that the hit rules read.
-#[derive(Debug, Clone, Copy)]
-pub struct TriangleSteps {
-    /// The edge function of BC.
-    pub u: f32,
-    /// The edge function of CA.
-    pub v: f32,
-    /// The edge function of AB.
-    pub w: f32,
-    /// The numerator of the distance.
-    pub t_num: f32,
-    /// The denominator of the distance.
-    pub t_denom: f32,
-}
-
-impl TriangleSteps {
-    /// Computes the triangle column of Table VII.
-    pub fn of(input: &RayTriangleInput<Binary32>) -> Self {
-        let RayTriangleInput { ray, triangle } = input;
-        let origin: [f32; 3] = ray.origin.into();
-        let [sx, sy, sz]: [f32; 3] = ray.shear.into();
-        // An axis index of 3 reads z (rule 8).
-        let [kx, ky, kz] = [ray.kx, ray.ky, ray.kz].map(|k: Word<Binary32, 2>| (u32::from(k) as usize).min(2));
-        let sheared = |vertex: [f32; 3]| {
-            let p: [f32; 3] = std::array::from_fn(|axis| sub(vertex[axis], origin[axis]));
-            [sub(p[kx], mul(sx, p[kz])), sub(p[ky], mul(sy, p[kz])), mul(sz, p[kz])]
-        };
-        let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(|vertex| sheared(vertex.into()));
-        let u = sub(mul(c[0], b[1]), mul(c[1], b[0]));
-        let v = sub(mul(a[0], c[1]), mul(a[1], c[0]));
-        let w = sub(mul(b[0], a[1]), mul(b[1], a[0]));
-        let t_denom = add(add(u, v), w);
-        let t_num = add(add(mul(u, a[2]), mul(v, b[2])), mul(w, c[2]));
-        Self { u, v, w, t_num, t_denom }
-    }
-
-    /// The hit by rule 6.
-    pub fn hit_by_paper(self) -> bool {
-        let Self { u, v, w, t_num, t_denom } = self;
-        let any_nan = [u, v, w, t_num, t_denom].iter().any(|x| x.is_nan());
-        !any_nan && u >= 0.0 && v >= 0.0 && w >= 0.0 && t_denom != 0.0 && t_num > 0.0
-    }
-
-    /// The hit by rule 6 of `chisel`.
-    pub fn hit_by_chisel(self) -> bool {
-        let Self { u, v, w, t_num, t_denom } = self;
-        !(u < 0.0 || v < 0.0 || w < 0.0 || t_num < 0.0) && t_denom != 0.0
-    }
-}
-
-/// The ray-box operation, by rules 1 to 5.
-fn quadbox_by_paper(input: &RayBoxInput<Binary32>) -> Outcome {
-    let origin: [f32; 3] = input.ray.origin.into();
-    let inv: [f32; 3] = input.ray.inv.into();
-    let extent = f32::from(input.ray.extent);
-    let mut entries: [(bool, f32, usize); 4] = std::array::from_fn(|index| {
-        let aabb = input.aabb[index];
-        let (mut nears, mut fars) = ([0.0; 4], [extent; 4]);
-        for (axis, slab) in [aabb.x, aabb.y, aabb.z].into_iter().enumerate() {
-            let distance = |bound: Num<Binary32>| mul(sub(bound.into(), origin[axis]), inv[axis]);
-            let (near, far) = (distance(slab.min), distance(slab.max));
-            let swap = inv[axis].is_sign_negative();
-            nears[axis] = if swap { far } else { near };
-            fars[axis] = if swap { near } else { far };
-        }
-        let is_number = |x: &f32| !x.is_nan();
-        let tmin = nears.into_iter().filter(is_number).fold(0.0, |a: f32, b| if b > a { b } else { a });
-        let tmax = fars.into_iter().filter(is_number).reduce(|a, b| if b < a { b } else { a });
-        let hit = tmax.is_some_and(|tmax| tmin <= tmax);
-        (hit, if hit { tmin } else { f32::INFINITY }, index)
-    });
-    // Hits first. No distance is NaN or negative.
-    entries.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    Outcome::Quadbox(RayBoxOutput {
-        is_intersect: Flags::new(std::array::from_fn(|i| entries[i].0)),
-        tmin: std::array::from_fn(|i| entries[i].1.into()),
-        box_index: std::array::from_fn(|i| Word::truncate(entries[i].2 as u32)),
-    })
 }

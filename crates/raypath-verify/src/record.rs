@@ -4,6 +4,7 @@
 //! the hash of its item's subject: it is stale if the subject has changed since.
 
 use crate::files::in_folder;
+use crate::subjects::Subject;
 use crate::{Error, Item, Request, Verdict};
 use raypath_tools::{ToolError, digest, read, write};
 use serde::{Deserialize, Serialize};
@@ -104,7 +105,7 @@ impl Recorder {
             self.write(&Record {
                 item: item.name.to_string(),
                 command,
-                configuration: Some(request.config.to_string()),
+                configuration: Some(Subject::of(request).to_string()),
                 commit: self.commit.clone(),
                 is_dirty: self.is_dirty,
                 subject: Some(subject),

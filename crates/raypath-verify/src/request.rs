@@ -10,6 +10,10 @@ use std::str::FromStr;
 pub struct Request<'a> {
     /// The configuration to verify, for items that depend on one.
     pub config: Config,
+    /// The names of the operations to verify besides the configuration's, for items that run a datapath.
+    pub added: Vec<String>,
+    /// Whether the user chose configuration and operations. Otherwise some items run many of them.
+    pub is_chosen: bool,
     /// How much to run.
     pub level: Level,
     /// The number of jobs or cases, for items that have them; by default the level decides.
@@ -29,7 +33,8 @@ impl<'a> Request<'a> {
     pub fn new(proceed: &'a mut dyn FnMut(Progress) -> bool) -> Self {
         let (config, level) = (Config::DEFAULT, Level::Regression);
         let parts = Parts::default();
-        Self { config, level, jobs: None, seed: 1, shard: Shard::ALL, parts, proceed }
+        let (added, is_chosen, shard) = (Vec::new(), false, Shard::ALL);
+        Self { config, added, is_chosen, level, jobs: None, seed: 1, shard, parts, proceed }
     }
 
     /// The shard's part of `total` cases, in pieces of `piece`.

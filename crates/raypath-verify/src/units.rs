@@ -1,10 +1,12 @@
 //! The floating-point units: campaigns of operands on their netlists, against independent implementations, and proofs
 //! that they compute IEEE 754's operations.
 
+mod aimed;
 mod answers;
 pub mod bench;
 mod campaign;
 mod conversions;
+mod coverage;
 mod division;
 mod exceptions;
 pub mod operands;

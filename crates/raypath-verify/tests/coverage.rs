@@ -1,39 +1,41 @@
 //! Coverage: it shows the points that are not covered.
 
-use raypath_model::Shape;
+use raypath_model::{Shape, WordModel};
 use raypath_ops::{Job, JobKind};
 use raypath_rtl::Config;
 use raypath_sim::Datapath;
-use raypath_verify::coverage::{Coverage, CoverageModel, JobPath};
+use raypath_verify::coverage::{Counted, Coverage, CoverageModel, JobPath};
 use raypath_verify::layout::Layout;
 use raypath_verify::stimuli::Stimuli;
 
 fn coverage_model() -> CoverageModel {
-    CoverageModel::new(Config::DEFAULT, &Shape::default(), layout())
+    CoverageModel::new(Config::DEFAULT.semantics, &Shape::default(), &model())
 }
 
-fn layout() -> Layout {
-    Layout::of(&Datapath::paper(Config::DEFAULT).model())
+fn model() -> WordModel {
+    Datapath::paper(Config::DEFAULT).model()
 }
 
 /// The points that these jobs leave uncovered.
 fn uncovered(jobs: impl Iterator<Item = Job>) -> Vec<String> {
-    let model = coverage_model();
-    let mut coverage = Coverage::new(&model);
+    let (points, model) = (coverage_model(), model());
+    let mut coverage = Coverage::new(&points);
     let mut words = Vec::new();
     for job in jobs {
         job.words(&mut words);
-        coverage.count(&model.job_points(job.kind(), &words), JobPath::STRAIGHT);
+        let kind = model.kind(job.kind().name()).expect("an operation");
+        coverage.count(&points.job_points(kind, &words), JobPath::STRAIGHT);
     }
-    coverage.uncovered(&model, false).1
+    coverage.uncovered(&points, Counted::AtEntry).1
 }
 
 fn stimuli(count: usize) -> Vec<Job> {
-    let layout = layout();
-    let mut stimuli = Stimuli::new(&layout, Config::DEFAULT, 4);
+    let model = model();
+    let layout = Layout::of(&model);
+    let mut stimuli = Stimuli::new(&layout, &model, 4);
     let mut words = Vec::new();
     let job = |_| {
-        let kind = stimuli.next(&mut words);
+        let kind = stimuli.next(&mut words).paper().expect("an operation of the paper");
         Job::from_words_in(raypath_ops::Binary32, kind, &words)
     };
     (0..count).map(job).collect()

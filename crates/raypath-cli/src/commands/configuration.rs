@@ -40,6 +40,12 @@ impl ConfigArguments {
         Ok(config)
     }
 
+    /// Whether the user selected nothing: the default.
+    #[cfg(feature = "full")]
+    fn is_default(&self) -> bool {
+        self.base.preset.is_none() && self.base.config.is_none() && self.changes.is_empty()
+    }
+
     /// The selected configuration, for commands that support the paper's operations only; an error if it has features.
     #[cfg(feature = "full")]
     pub fn paper(&self) -> Result<Config, CliError> {
@@ -104,6 +110,12 @@ impl DatapathArguments {
     /// The selected configuration.
     pub fn config(&self) -> Result<Config, CliError> {
         self.config.config()
+    }
+
+    /// Whether the user selected nothing: the default.
+    #[cfg(feature = "full")]
+    pub fn is_default(&self) -> bool {
+        self.specs.is_empty() && self.config.is_default()
     }
 
     /// The selected configuration and its datapath with the added operations.

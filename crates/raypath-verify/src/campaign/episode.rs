@@ -5,7 +5,6 @@ use crate::coverage::{Coverage, CoverageModel, JobPoints, Tracker};
 use crate::layout::Layout;
 use crate::stimuli::{Stimuli, splitmix64};
 use raypath_model::{WordModel, Words};
-use raypath_rtl::Config;
 use raypath_sim::engine::{NetlistEngine, observe};
 use raypath_sim::lockstep::{Difference, SideBySide};
 use raypath_sim::traffic::{Cycle, Traffic};
@@ -33,15 +32,15 @@ pub struct Found {
 
 impl Episode {
     /// The episode with this number in the campaign of this seed.
-    pub fn new(model: &WordModel, layout: &Layout, config: Config, seed: u64, number: u64) -> Self {
+    pub fn new(model: &WordModel, layout: &Layout, seed: u64, number: u64) -> Self {
         let own = splitmix64(splitmix64(seed) ^ number);
-        let mut stimuli = Stimuli::new(layout, config, own);
+        let mut stimuli = Stimuli::new(layout, model, own);
         let mut words = Vec::new();
         let jobs = (0..JOBS_PER_EPISODE).map(|_| {
             let kind = stimuli.next(&mut words);
-            Some(model.job_of_words(model.kind(kind.name())?, &words))
+            model.job_of_words(kind, &words)
         });
-        Self { jobs: jobs.flatten().collect(), traffic: Traffic::eventful(splitmix64(own), EVENTFUL_CYCLES) }
+        Self { jobs: jobs.collect(), traffic: Traffic::eventful(splitmix64(own), EVENTFUL_CYCLES) }
     }
 
     /// Runs the episode up to the first difference.
@@ -52,7 +51,7 @@ impl Episode {
         coverage: Option<(&CoverageModel, &mut Coverage)>,
     ) -> Found {
         let points: Vec<JobPoints> = coverage.as_ref().map_or_else(Vec::new, |(model, _)| {
-            self.jobs.iter().filter_map(|job| Some(model.job_points(job.kind().paper()?, job.as_words()))).collect()
+            self.jobs.iter().map(|job| model.job_points(job.kind(), job.as_words())).collect()
         });
         let mut tracker = coverage.map(|(model, coverage)| Tracker::new(model, coverage, &points));
         netlist.restart();

@@ -4,6 +4,7 @@
 use crate::error::Error;
 use crate::files;
 use crate::layout::Layout;
+use crate::subjects::Subject;
 use raypath_model::{Model, WordModel, Words};
 use raypath_rtl::Config;
 use raypath_sim::engine::{CycleEngine, NetlistEngine, observe};
@@ -31,11 +32,12 @@ pub struct Failure {
 pub fn report(
     netlist: &mut NetlistEngine,
     model: &WordModel,
-    config: Config,
+    subject: &Subject,
     trace: Trace,
     failure: &Failure,
     folder: &Path,
 ) -> Result<String, Error> {
+    let config = subject.config;
     let (trace, mismatch) = shrink(netlist, model, config, trace);
     let engine = match mismatch {
         Mismatch::Outcome => "netlist",
@@ -57,7 +59,7 @@ pub fn report(
         files::write(&path, &recorded_text(&trace.cycles))?;
         command += &format!(" --handshake {}", path.display());
     }
-    let options = config.options();
+    let options = subject.options();
     let command = [command.as_str(), &options].join(" ");
     let Failure { episode, what } = failure;
     let jobs = trace.jobs.len();
@@ -202,8 +204,7 @@ fn simplify_operands(model: &WordModel, config: Config, trace: &mut Trace, mut f
     for index in 0..trace.jobs.len() {
         let kind = trace.jobs[index].kind();
         let mut words = trace.jobs[index].as_words().to_vec();
-        let fields = kind.paper().map_or(&[][..], |kind| layout.fields(kind));
-        for (index_in_job, field) in fields.iter().enumerate() {
+        for (index_in_job, field) in layout.fields(kind.name()).iter().enumerate() {
             let original = words[index_in_job];
             let simple = if field.is_number() { [0, one] } else { [0, 1] };
             // An operand that is already simple stays.

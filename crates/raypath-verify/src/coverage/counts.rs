@@ -5,6 +5,17 @@ use super::model::{CoverageModel, JobPath, JobPoints, PATHS};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
+/// What counts as a coverage point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counted {
+    /// What is known of a job when it enters: for jobs that ran outside a pipeline.
+    AtEntry,
+    /// Everything that a job can exercise, and the handshakes.
+    OnAnyPath,
+    /// The same, with a point for each path that the job can take.
+    ByPath,
+}
+
 /// Counts of all coverage points of a configuration.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Coverage {
@@ -17,13 +28,13 @@ pub struct Coverage {
 impl Coverage {
     /// All counts are zero.
     pub fn new(model: &CoverageModel) -> Self {
-        let jobs = model.points.iter().map(|points| vec![[0; PATHS.len()]; points.len()]).collect();
+        let jobs = model.operations.iter().map(|one| vec![[0; PATHS.len()]; one.points.len()]).collect();
         Self { jobs, handshakes: Handshakes::new(model.capacity) }
     }
 
     /// Counts a job that covers these points.
     pub fn count(&mut self, covered: &JobPoints, path: JobPath) {
-        let points = &mut self.jobs[covered.kind as usize];
+        let points = &mut self.jobs[covered.operation];
         covered.each(|point| points[point][path.index()] += 1);
     }
 
@@ -34,24 +45,23 @@ impl Coverage {
         self.handshakes.add(&other.handshakes);
     }
 
-    /// The number of coverage points, and the names of those that are not covered. Without `with_paths` only the points
-    /// of jobs count, not their paths, accumulators and handshakes: for jobs that ran outside a pipeline.
-    pub fn uncovered(&self, model: &CoverageModel, with_paths: bool) -> (usize, Vec<String>) {
+    /// The number of coverage points, and the names of those that are not covered.
+    pub fn uncovered(&self, model: &CoverageModel, counted: Counted) -> (usize, Vec<String>) {
         let (mut total, mut uncovered) = (0, Vec::new());
-        for (points, counts) in model.points.iter().zip(&self.jobs) {
-            for (point, counts) in points.iter().zip(counts) {
+        for (operation, counts) in model.operations.iter().zip(&self.jobs) {
+            for (point, counts) in operation.points.iter().zip(counts) {
                 let paths = PATHS.iter().zip(counts).enumerate().filter(|(path, _)| point.is_reachable(*path));
-                if with_paths {
+                if counted == Counted::ByPath {
                     total += paths.clone().count();
                     let missing = paths.filter(|(_, (_, count))| **count == 0);
                     uncovered.extend(missing.map(|(_, (path, _))| format!("{}, {path}", point.name)));
-                } else if point.is_reachable_at_entry() {
+                } else if point.is_reachable_at_entry() || counted == Counted::OnAnyPath && point.is_reachable(0) {
                     total += 1;
                     uncovered.extend((counts.iter().sum::<u64>() == 0).then(|| point.name.clone()));
                 }
             }
         }
-        if with_paths {
+        if counted != Counted::AtEntry {
             for (name, count) in self.handshakes.points(model) {
                 total += 1;
                 uncovered.extend((count == 0).then_some(name));
@@ -61,9 +71,9 @@ impl Coverage {
     }
 
     /// The coverage in a line, with the first uncovered points.
-    pub fn remark(&self, model: &CoverageModel, with_paths: bool) -> String {
+    pub fn remark(&self, model: &CoverageModel, counted: Counted) -> String {
         const SHOWN: usize = 12;
-        let (total, uncovered) = self.uncovered(model, with_paths);
+        let (total, uncovered) = self.uncovered(model, counted);
         if uncovered.is_empty() {
             return format!("all {total} coverage points are covered");
         }
@@ -81,8 +91,8 @@ impl Coverage {
         );
         // Writing to a String always succeeds.
         let _ = writeln!(text, "{:<64}{}", "", PATHS.map(|path| format!("{path:>14}")).concat());
-        for (points, counts) in model.points.iter().zip(&self.jobs) {
-            for (point, counts) in points.iter().zip(counts) {
+        for (operation, counts) in model.operations.iter().zip(&self.jobs) {
+            for (point, counts) in operation.points.iter().zip(counts) {
                 let count = |(path, count): (usize, &u64)| match point.is_reachable(path) {
                     true => format!("{count:>14}"),
                     false => format!("{:>14}", "-"),

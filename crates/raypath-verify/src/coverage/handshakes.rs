@@ -2,7 +2,6 @@
 
 use super::model::CoverageModel;
 use raypath_model::Control;
-use raypath_ops::JobKind;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -22,10 +21,10 @@ pub(super) enum Event {
     Cycle(usize, usize, usize),
     /// A reset with this number of jobs in the pipeline.
     Reset(usize),
-    /// An accepted job: the operation before, the operation, and whether it came in the next cycle.
-    Pair(#[serde(with = "opcode")] JobKind, #[serde(with = "opcode")] JobKind, bool),
-    /// A withdrawn job, and whether it had been refused.
-    Withdrawn(#[serde(with = "opcode")] JobKind, bool),
+    /// An accepted job: the operation before, the operation, by position, and whether it came in the next cycle.
+    Pair(usize, usize, bool),
+    /// A withdrawn job's operation, by position, and whether the job had been refused.
+    Withdrawn(usize, bool),
 }
 
 /// Counts as a sorted list: the keys of a JSON object are text.
@@ -41,23 +40,6 @@ mod pairs {
 
     pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<HashMap<Event, u64>, D::Error> {
         Ok(Vec::deserialize(from)?.into_iter().collect())
-    }
-}
-
-/// An operation as its opcode.
-mod opcode {
-    use raypath_ops::JobKind;
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub fn serialize<S: Serializer>(kind: &JobKind, to: S) -> Result<S::Ok, S::Error> {
-        kind.opcode().serialize(to)
-    }
-
-    pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<JobKind, D::Error> {
-        let opcode = u64::deserialize(from)?;
-        let kind = JobKind::ALL.into_iter().find(|kind| kind.opcode() == opcode);
-        kind.ok_or_else(|| D::Error::custom(format!("opcode {opcode}, expected 0 to 3")))
     }
 }
 
@@ -111,28 +93,31 @@ impl Handshakes {
             }
         }
         (0..=self.capacity).for_each(|inside| add(format!("reset with {inside} inside"), Event::Reset(inside)));
-        for &before in model.config.kinds() {
-            for &kind in model.config.kinds() {
-                add(format!("{kind} after {before}, with a gap"), Event::Pair(before, kind, false));
-                if !keeps_apart(model, before, kind) {
-                    add(format!("{kind} after {before}, in the next cycle"), Event::Pair(before, kind, true));
+        let name = |index: usize| model.operations[index].kind;
+        for before in 0..model.operations.len() {
+            for next in 0..model.operations.len() {
+                add(format!("{} after {}, with a gap", name(next), name(before)), Event::Pair(before, next, false));
+                if !keeps_apart(model, before, next) {
+                    let name = format!("{} after {}, in the next cycle", name(next), name(before));
+                    add(name, Event::Pair(before, next, true));
                 }
             }
         }
-        for &kind in model.config.kinds() {
-            add(format!("{kind} withdrawn before it was refused"), Event::Withdrawn(kind, false));
-            add(format!("{kind} withdrawn after it was refused"), Event::Withdrawn(kind, true));
+        for index in 0..model.operations.len() {
+            add(format!("{} withdrawn before it was refused", name(index)), Event::Withdrawn(index, false));
+            add(format!("{} withdrawn after it was refused", name(index)), Event::Withdrawn(index, true));
         }
         points
     }
 }
 
-/// Whether a gate at the entrance keeps two jobs apart: with credits, beats of a sum that takes several steps.
-fn keeps_apart(model: &CoverageModel, before: JobKind, kind: JobKind) -> bool {
-    let is_loop = |kind: JobKind| {
-        model.shape.loops.iter().any(|a_loop| a_loop.opcode == kind.opcode() && a_loop.last > a_loop.first)
-    };
-    model.shape.control == Control::Credit && before == kind && is_loop(kind)
+/// Whether a gate at the entrance keeps two jobs apart: with an interval, all jobs; with credits, beats of a sum that
+/// takes several steps.
+fn keeps_apart(model: &CoverageModel, before: usize, next: usize) -> bool {
+    let opcode = model.operations[next].kind.opcode();
+    let is_loop = || model.shape.loops.iter().any(|a_loop| a_loop.opcode == opcode && a_loop.last > a_loop.first);
+    let waits = model.shape.control == Control::Credit && before == next && is_loop();
+    waits || model.shape.interval > 1
 }
 
 /// Whether a combination of events can occur. An empty pipeline has no output and accepts; a full one has an output and

@@ -1,26 +1,35 @@
-//! The coverage points of a configuration, and which of them a job covers.
+//! The coverage points of a datapath, and which of them a job covers.
 
-use super::operands::{CLASSES, class, group, groups};
-use super::rules::{
-    AccumulatorState, PERMUTATIONS, RULES_AT_ENTRY, Rounded, Rule, box_rules, permutation, rules_at_entry,
-    rules_at_exit, triangle_rules,
-};
+use super::operands::{CLASSES, class, operand};
+use super::rules::{AccumulatorState, Job, Rule, numbered, rules_at_entry, rules_at_exit};
 use crate::layout::{Field, Layout};
-use raypath_model::Shape;
-use raypath_ops::{JobKind, Rules};
-use raypath_rtl::Config;
+use raypath_model::{OperationId, Shape, WordModel};
+use raypath_rtl::Semantics;
 
-/// The coverage points of a configuration.
+/// The coverage points of a datapath.
 #[derive(Debug, Clone)]
 pub struct CoverageModel {
-    /// The points of each operation; none for operations that the configuration lacks.
-    pub(super) points: Vec<Vec<CoveragePoint>>,
+    /// The operations, in the order of their opcodes.
+    pub(super) operations: Vec<CoveredOperation>,
     /// The number of jobs that fit into the pipeline.
     pub(super) capacity: usize,
     /// The pipeline's shape.
     pub(super) shape: Shape,
-    pub(super) config: Config,
+    semantics: Semantics,
     layout: Layout,
+}
+
+/// The coverage points of an operation.
+#[derive(Debug, Clone)]
+pub(super) struct CoveredOperation {
+    pub kind: OperationId,
+    pub points: Vec<CoveragePoint>,
+    /// For each field of a job, the first point of its operand's classes.
+    classes: Vec<Option<usize>>,
+    /// The first point of the axes, of the rules at entry, and of those at exit.
+    axes: usize,
+    at_entry: usize,
+    at_exit: usize,
 }
 
 /// A coverage point of an operation: something that a job can exercise.
@@ -68,9 +77,11 @@ impl JobPath {
 /// The coverage points of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct JobPoints {
-    /// The job's operation.
-    pub kind: JobKind,
-    points: [u64; 3],
+    /// The position of the job's operation, in the order of the opcodes.
+    pub operation: usize,
+    /// The accumulator that the job names.
+    pub accumulator: usize,
+    points: [u64; 5],
 }
 
 impl CoveragePoint {
@@ -80,7 +91,7 @@ impl CoveragePoint {
     }
 
     /// Whether a job on this path, by its position in `PATHS`, can cover the point. A job that is lost in a reset
-    /// does not show the accumulator. With one or two lanes, some mask rules coincide.
+    /// does not show what is known at the exit.
     pub fn is_reachable(&self, path: usize) -> bool {
         let is_lost = path % (PATHS.len() / 2) == JobEnd::Lost as usize;
         !(self.is_impossible || self.is_known_at_exit_only && is_lost)
@@ -94,7 +105,7 @@ impl JobPoints {
 
     /// Sets the points of exercised rules, of which the first has the number `first`.
     fn set_rules(&mut self, first: usize, rules: &[Rule]) {
-        let exercised = rules.iter().enumerate().filter(|(_, (_, is_exercised))| *is_exercised);
+        let exercised = rules.iter().enumerate().filter(|(_, rule)| rule.is_exercised);
         exercised.for_each(|(index, _)| self.set(first + index));
     }
 
@@ -111,102 +122,97 @@ impl JobPoints {
 }
 
 impl CoverageModel {
-    /// The points of a configuration, with its pipeline's shape and the layout of its jobs.
-    pub fn new(config: Config, shape: &Shape, layout: Layout) -> Self {
-        let points = JobKind::ALL.map(|kind| match config.kinds().contains(&kind) {
-            true => points(kind, config, &layout),
-            false => vec![],
-        });
-        Self { points: points.into(), capacity: shape.capacity(), shape: shape.clone(), config, layout }
+    /// The points of a datapath, with its pipeline's shape.
+    pub fn new(semantics: Semantics, shape: &Shape, model: &WordModel) -> Self {
+        let layout = Layout::of(model);
+        let operations = model.kinds().into_iter().map(|kind| CoveredOperation::new(kind, semantics, &layout));
+        Self { operations: operations.collect(), capacity: shape.capacity(), shape: shape.clone(), semantics, layout }
     }
 
-    /// The points that a job covers, as far as they are known when it enters.
-    pub fn job_points(&self, kind: JobKind, words: &[u64]) -> JobPoints {
-        let mut covered = JobPoints { kind, points: [0; 3] };
-        let (rules, format) = (self.config.semantics.rules_in_full(), self.config.semantics.format);
-        let mask = self.mask(kind, words);
-        for (&field, &code) in self.layout.fields(kind).iter().zip(words) {
+    /// The points that a job covers, as far as they are known when it enters. A job of an unknown operation covers none.
+    pub fn job_points(&self, kind: OperationId, words: &[u64]) -> JobPoints {
+        let position = self.operations.iter().position(|operation| operation.kind == kind);
+        let mut covered = JobPoints { operation: position.unwrap_or(0), accumulator: 0, points: [0; 5] };
+        let Some(operation) = position.map(|position| &self.operations[position]) else { return covered };
+        let fields = self.layout.fields(kind.name());
+        let job = Job { name: kind.name(), semantics: self.semantics, fields, words };
+        let mask = job.word(Field::Mask).unwrap_or(u64::MAX);
+        covered.accumulator = job.word(Field::Accumulator).unwrap_or(0) as usize;
+        for ((&field, &code), classes) in fields.iter().zip(words).zip(&operation.classes) {
             // A masked lane is no operand; rule 7 has points for its value.
             if matches!(field, Field::Lane { lane, .. } if mask >> lane & 1 == 0) {
                 continue;
             }
-            if let Some(group) = group(kind, rules, field) {
-                covered.set(CLASSES.len() * group + class(format, code));
+            if let Some(first) = classes {
+                covered.set(first + class(self.semantics.format, code));
             }
-            if let (JobKind::Triangle, Field::Axis(axis)) = (kind, field) {
-                covered.set(axes_begin() + 4 * axis + (code as usize & 3));
-            }
-        }
-        let (first, rounded) = (rules_begin(kind, rules), Rounded(format));
-        match kind {
-            JobKind::Triangle => covered.set_rules(first, &triangle_rules(rounded, &self.layout, words)),
-            JobKind::Quadbox => {
-                let (rules, order) = box_rules(rounded, &self.layout, words);
-                covered.set_rules(first, &rules);
-                covered.set(first + rules.len() + order);
-            }
-            JobKind::Euclidean | JobKind::Angular => {
-                covered.set_rules(first, &rules_at_entry(kind, format, &self.layout, words));
+            if let ("triangle", Field::Axis(axis)) = (kind.name(), field) {
+                covered.set(operation.axes + 4 * axis + (code as usize & 3));
             }
         }
+        let (rules, order) = rules_at_entry(&job);
+        covered.set_rules(operation.at_entry, &rules);
+        order.into_iter().for_each(|place| covered.set(operation.at_entry + rules.len() + place));
         covered
     }
 
-    /// Adds the points that a beat covers when it leaves.
-    pub fn add_exit_points(&self, covered: &mut JobPoints, found: AccumulatorState) {
-        let first = rules_begin(covered.kind, self.config.semantics.rules_in_full()) + RULES_AT_ENTRY;
-        covered.set_rules(first, &rules_at_exit(self.config.semantics.format, found));
-    }
-
-    fn mask(&self, kind: JobKind, words: &[u64]) -> u64 {
-        let index = self.layout.fields(kind).iter().position(|field| *field == Field::Mask);
-        index.and_then(|index| words.get(index)).copied().unwrap_or(u64::MAX)
+    /// Adds the points that a job covers when it leaves: those of the accumulator that it found, and of its exceptions.
+    pub fn add_exit_points(&self, covered: &mut JobPoints, found: AccumulatorState, exceptions: Option<u64>) {
+        let operation = &self.operations[covered.operation];
+        let rules = rules_at_exit(operation.kind.name(), self.semantics, found, exceptions);
+        covered.set_rules(operation.at_exit, &rules);
     }
 }
 
-fn axes_begin() -> usize {
-    CLASSES.len() * groups(JobKind::Triangle, Rules::Paper).len()
+impl CoverageModel {
+    /// Whether outcomes show the exceptions of their jobs.
+    pub(super) fn has_exceptions(&self) -> bool {
+        self.semantics.features.exception_flags
+    }
 }
 
-/// The number of an operation's first rule point, after the points of operands.
-fn rules_begin(kind: JobKind, rules: Rules) -> usize {
-    CLASSES.len() * groups(kind, rules).len() + if kind == JobKind::Triangle { 12 } else { 0 }
-}
-
-fn points(kind: JobKind, config: Config, layout: &Layout) -> Vec<CoveragePoint> {
-    let (rules, format, lanes) =
-        (config.semantics.rules_in_full(), config.semantics.format, config.semantics.lanes.count());
-    let point = |name: &str| CoveragePoint {
-        name: format!("{kind}: {name}"),
-        is_known_at_exit_only: false,
-        is_impossible: false,
-    };
-    let groups = groups(kind, rules).iter();
-    let mut points: Vec<CoveragePoint> =
-        groups.flat_map(|group| CLASSES.iter().map(move |class| point(&format!("{group} {class}")))).collect();
-    match kind {
-        JobKind::Triangle => {
-            let axes = ["kx", "ky", "kz"].into_iter().flat_map(|axis| (0..4).map(move |value| (axis, value)));
-            points.extend(axes.map(|(axis, value)| point(&format!("{axis} = {value}"))));
-            points.extend(triangle_rules(Rounded(format), layout, &[]).map(|(name, _)| point(name)));
-        }
-        JobKind::Quadbox => {
-            points.extend(box_rules(Rounded(format), layout, &[]).0.map(|(name, _)| point(name)));
-            points.extend((0..PERMUTATIONS).map(|number| point(&format!("5: order {:?}", permutation(number)))));
-        }
-        JobKind::Euclidean | JobKind::Angular => {
-            let lanes = if kind == JobKind::Angular { lanes / 2 } else { lanes };
-            points.extend(rules_at_entry(kind, format, layout, &[]).map(|(name, _)| CoveragePoint {
-                is_impossible: lanes <= 1 && name == "7: one lane is enabled"
-                    || lanes <= 2 && name == "7: some lanes are enabled",
-                ..point(name)
+impl CoveredOperation {
+    fn new(kind: OperationId, semantics: Semantics, layout: &Layout) -> Self {
+        let fields = layout.fields(kind.name());
+        let point = |name: &str, is_known_at_exit_only| CoveragePoint {
+            name: format!("{kind}: {name}"),
+            is_known_at_exit_only,
+            is_impossible: false,
+        };
+        let (mut points, mut operands) = (Vec::new(), Vec::new());
+        let mut classes = Vec::new();
+        for &field in fields {
+            classes.push(operand(kind.name(), semantics, field).map(|name| {
+                let known = operands.iter().position(|known| *known == name);
+                let index = known.unwrap_or_else(|| {
+                    operands.push(name);
+                    points.extend(CLASSES.iter().map(|class| point(&format!("{name} {class}"), false)));
+                    operands.len() - 1
+                });
+                CLASSES.len() * index
             }));
-            let empty = AccumulatorState { sum: 0, after_others: true, after_loss: false };
-            points.extend(
-                rules_at_exit(format, empty)
-                    .map(|(name, _)| CoveragePoint { is_known_at_exit_only: true, ..point(name) }),
-            );
         }
+        let axes = points.len();
+        if kind.name() == "triangle" {
+            let values = ["kx", "ky", "kz"].into_iter().flat_map(|axis| (0..4).map(move |value| (axis, value)));
+            points.extend(values.map(|(axis, value)| point(&format!("{axis} = {value}"), false)));
+        }
+        let at_entry = points.len();
+        let words = vec![0; fields.len()];
+        let job = Job { name: kind.name(), semantics, fields, words: &words };
+        points.extend(
+            rules_at_entry(&job)
+                .0
+                .iter()
+                .map(|rule| CoveragePoint { is_impossible: rule.is_impossible, ..point(&rule.name, false) }),
+        );
+        points.extend(numbered(kind.name(), semantics).iter().map(|name| point(name, false)));
+        let at_exit = points.len();
+        let exceptions = semantics.features.exception_flags.then_some(0);
+        let rules = rules_at_exit(kind.name(), semantics, AccumulatorState::EMPTY, exceptions);
+        points.extend(
+            rules.iter().map(|rule| CoveragePoint { is_impossible: rule.is_impossible, ..point(&rule.name, true) }),
+        );
+        Self { kind, points, classes, axes, at_entry, at_exit }
     }
-    points
 }

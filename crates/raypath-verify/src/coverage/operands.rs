@@ -2,7 +2,8 @@
 
 use crate::layout::Field;
 use raypath_float::Format;
-use raypath_ops::{JobKind, Rules};
+use raypath_ops::Rules;
+use raypath_rtl::Semantics;
 
 /// The classes of a number.
 pub const CLASSES: [&str; 12] =
@@ -29,28 +30,34 @@ pub fn class(format: Format, code: u64) -> usize {
     5 * usize::from(code & minus != 0) + of_magnitude
 }
 
-/// The operands that an operation reads. Triangles read no direction, inverse or extent of a ray; boxes read no shear
-/// and axes, and the direction with rules `chisel` only.
-pub fn groups(kind: JobKind, rules: Rules) -> &'static [&'static str] {
-    match (kind, rules) {
-        (JobKind::Triangle, _) => &["origin", "shear", "vertex A", "vertex B", "vertex C"],
-        (JobKind::Quadbox, Rules::Paper | Rules::Bounds(_)) => &["origin", "inverse", "extent", "box min", "box max"],
-        (JobKind::Quadbox, Rules::Chisel) => &["origin", "inverse", "extent", "box min", "box max", "direction"],
-        (JobKind::Euclidean | JobKind::Angular, _) => &["query", "candidate"],
-    }
-}
-
-/// The position in [`groups`] of a field's operand; none for fields that are not read or are no numbers.
-pub fn group(kind: JobKind, rules: Rules, field: Field) -> Option<usize> {
-    match (kind, field) {
-        (JobKind::Triangle | JobKind::Quadbox, Field::Origin(_)) => Some(0),
-        (JobKind::Triangle, Field::Shear(_)) => Some(1),
-        (JobKind::Triangle, Field::Vertex { vertex, .. }) => Some(2 + vertex),
-        (JobKind::Quadbox, Field::Inverse(_)) => Some(1),
-        (JobKind::Quadbox, Field::Extent) => Some(2),
-        (JobKind::Quadbox, Field::Bound { is_max, .. }) => Some(3 + usize::from(is_max)),
-        (JobKind::Quadbox, Field::Direction(_)) if rules == Rules::Chisel => Some(5),
-        (JobKind::Euclidean | JobKind::Angular, Field::Lane { of_candidate, .. }) => Some(usize::from(of_candidate)),
+/// The operand of an operation to which a field belongs; none for fields that are not read or are no numbers. Triangles
+/// read no direction and inverse of a ray, and its extent for a range only. Boxes read no shear and axes, and the
+/// direction with rules `chisel` only.
+pub fn operand(operation: &str, semantics: Semantics, field: Field) -> Option<&'static str> {
+    const VERTICES: [&str; 3] = ["vertex A", "vertex B", "vertex C"];
+    match (operation, field) {
+        ("triangle" | "quadbox" | "octbox" | "quantised_box" | "sphere", Field::Origin(_)) => Some("origin"),
+        ("triangle", Field::Shear(_)) => Some("shear"),
+        ("triangle", Field::Vertex { vertex, .. }) => VERTICES.get(vertex).copied(),
+        ("triangle", Field::TMin) => Some("t_min"),
+        ("triangle", Field::Extent) if !semantics.features.range => None,
+        ("triangle" | "quadbox" | "octbox" | "quantised_box", Field::Extent) => Some("extent"),
+        ("quadbox" | "octbox" | "quantised_box", Field::Inverse(_)) => Some("inverse"),
+        ("quadbox", Field::Direction(_)) if semantics.rules != Rules::Chisel => None,
+        ("quadbox" | "quantised_box" | "sphere", Field::Direction(_)) => Some("direction"),
+        ("quadbox" | "octbox" | "point_in_box", Field::Bound { is_max, .. }) => {
+            Some(if is_max { "box max" } else { "box min" })
+        }
+        ("euclidean" | "angular", Field::Lane { of_candidate, .. }) => {
+            Some(if of_candidate { "candidate" } else { "query" })
+        }
+        (_, Field::NodeOrigin(_)) => Some("node origin"),
+        (_, Field::NodeScale(_)) => Some("node scale"),
+        (_, Field::Centre(_)) => Some("centre"),
+        (_, Field::Radius) => Some("radius"),
+        (_, Field::Point(_)) => Some("point"),
+        (_, Field::Key) => Some("key"),
+        (_, Field::Separator(_)) => Some("separator"),
         _ => None,
     }
 }

@@ -5,7 +5,6 @@ use super::handshakes::Event;
 use super::model::{CoverageModel, JobEnd, JobPath, JobPoints};
 use super::rules::AccumulatorState;
 use raypath_model::Words;
-use raypath_ops::JobKind;
 use raypath_sim::engine::Seen;
 use std::collections::VecDeque;
 
@@ -22,17 +21,20 @@ pub struct Tracker<'t> {
     /// Whether the sink has stalled the outcome at the output.
     held: bool,
     /// The operation that entered last, and whether it entered in the last cycle.
-    entered: Option<(JobKind, bool)>,
-    /// What the next beat of each operation finds.
-    accumulators: [AccumulatorState; JobKind::ALL.len()],
+    entered: Option<(usize, bool)>,
+    /// What the next beat of each accumulator of each operation finds.
+    accumulators: Vec<Vec<AccumulatorState>>,
 }
 
-const INITIAL: AccumulatorState = AccumulatorState { sum: 0, after_others: true, after_loss: false };
+/// The greatest number of accumulators of an operation.
+const MAX_ACCUMULATORS: usize = 16;
+/// The outputs that are 1 if an accumulator restarts.
+const RESETS: [&str; 2] = ["euclidean_reset_accum", "angular_reset_accum"];
 
 impl<'t> Tracker<'t> {
     /// A tracker of an empty pipeline.
     pub fn new(model: &'t CoverageModel, coverage: &'t mut Coverage, jobs: &'t [JobPoints]) -> Self {
-        let accumulators = [INITIAL; JobKind::ALL.len()];
+        let accumulators = vec![vec![AccumulatorState::EMPTY; MAX_ACCUMULATORS]; model.operations.len()];
         let inside = VecDeque::new();
         Self { model, coverage, jobs, inside, refused: false, held: false, entered: None, accumulators }
     }
@@ -40,7 +42,7 @@ impl<'t> Tracker<'t> {
     /// Counts one cycle.
     pub fn observe(&mut self, seen: &Seen) {
         if let Some(job) = seen.withdrawn.and_then(|index| self.jobs.get(index)) {
-            self.coverage.handshakes.count(Event::Withdrawn(job.kind, self.refused));
+            self.coverage.handshakes.count(Event::Withdrawn(job.operation, self.refused));
             self.refused = false;
         }
         if seen.cycle.resets {
@@ -56,13 +58,13 @@ impl<'t> Tracker<'t> {
         match seen.entered.and_then(|index| Some((index, self.jobs.get(index)?))) {
             Some((index, job)) => {
                 self.inside.push_back((index, std::mem::take(&mut self.refused)));
-                if let Some((before, is_next_cycle)) = self.entered.replace((job.kind, true)) {
-                    self.coverage.handshakes.count(Event::Pair(before, job.kind, is_next_cycle));
+                if let Some((before, is_next_cycle)) = self.entered.replace((job.operation, true)) {
+                    self.coverage.handshakes.count(Event::Pair(before, job.operation, is_next_cycle));
                 }
             }
             None => {
                 self.refused |= offers;
-                self.entered = self.entered.map(|(kind, _)| (kind, false));
+                self.entered = self.entered.map(|(operation, _)| (operation, false));
             }
         }
     }
@@ -70,16 +72,17 @@ impl<'t> Tracker<'t> {
     fn leaves(&mut self, outcome: &Words) {
         let Some((index, waited)) = self.inside.pop_front() else { return };
         let mut covered = self.jobs[index];
-        let kind = covered.kind;
-        if matches!(kind, JobKind::Euclidean | JobKind::Angular) {
-            self.model.add_exit_points(&mut covered, self.accumulators[kind as usize]);
-            let reset = if kind == JobKind::Euclidean { "euclidean_reset_accum" } else { "angular_reset_accum" };
-            let sum = outcome.as_words().first().copied().unwrap_or(0);
-            let sum = if outcome.port(reset) == 1 { 0 } else { sum };
-            self.accumulators[kind as usize] = AccumulatorState { sum, after_others: false, after_loss: false };
+        let JobPoints { operation, accumulator, .. } = covered;
+        let exceptions = self.model.has_exceptions().then(|| outcome.port("exception_flags"));
+        let found = self.accumulators[operation][accumulator];
+        self.model.add_exit_points(&mut covered, found, exceptions);
+        let restarts = RESETS.iter().any(|port| outcome.port(port) == 1);
+        let sum = if restarts { 0 } else { outcome.as_words().first().copied().unwrap_or(0) };
+        for (other, states) in self.accumulators.iter_mut().enumerate() {
+            let others = states.iter_mut().enumerate().filter(|(index, _)| (other, *index) != (operation, accumulator));
+            others.for_each(|(_, state)| state.after_others = true);
         }
-        let others = JobKind::ALL.into_iter().filter(|other| *other != kind);
-        others.for_each(|other| self.accumulators[other as usize].after_others = true);
+        self.accumulators[operation][accumulator] = AccumulatorState { sum, after_others: false, after_loss: false };
         let end = if self.held { JobEnd::Held } else { JobEnd::Taken };
         self.coverage.count(&covered, JobPath { waited, end });
     }
@@ -89,8 +92,8 @@ impl<'t> Tracker<'t> {
         for (index, waited) in self.inside.drain(..) {
             self.coverage.count(&self.jobs[index], JobPath { waited, end: JobEnd::Lost });
         }
-        for found in &mut self.accumulators {
-            *found = AccumulatorState { after_loss: found.after_loss || found.sum != 0, ..INITIAL };
+        for found in self.accumulators.iter_mut().flatten() {
+            *found = AccumulatorState { after_loss: found.after_loss || found.sum != 0, ..AccumulatorState::EMPTY };
         }
         self.held = false;
         self.entered = None;

@@ -4,11 +4,13 @@ use super::box_intersection::ExactIntersection;
 use super::campaign::{self, Tally};
 use super::dyadic::{U, ulps_of};
 use super::outer_boxes;
+use super::pipeline::{self, Pair, Pipeline, SAMPLED};
+use super::watertight::on_netlist;
 use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
-use raypath_ops::{Aabb, Binary32, Job, Outcome, Ray, RayBoxInput, Rules};
+use raypath_ops::{Aabb, Binary32, BoxBits, Job, Outcome, Ray, RayBoxInput, RayBoxOutput, Rounding, Rules};
 
 /// The number of boxes after which each deliberate fault must have been found.
 const ENOUGH: u64 = 40_000;
@@ -17,7 +19,46 @@ const ENOUGH: u64 = 40_000;
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(100_000, 3_000_000, 50_000_000));
     let (tally, is_stopped) = campaign::run(request, 4, cases, run)?;
-    Ok(verdict(tally, is_stopped))
+    let verdict = verdict(tally, is_stopped);
+    if is_stopped {
+        return Ok(verdict);
+    }
+    let pairs = || {
+        let pair = |rules| Pair::new(on_netlist(rules, Rounding::Unit), FAULT);
+        Ok([pair(Rules::Paper)?, pair(Rules::Bounds(BoxBits::DEFAULT))?])
+    };
+    let on_netlist = campaign::run_with(request, 14, cases.div_ceil(SAMPLED), pairs, |[paper, bounds], rng, tally| {
+        let case = draw(rng);
+        let geometry = case.boxes.map(|aabb| ExactIntersection::new(&case.ray, aabb));
+        let judge = |tally: &mut Tally, paper: &Pipeline, bounds: &Pipeline| {
+            let [answers, outer] = [paper, bounds].map(|pipeline| answers_of(pipeline, &case));
+            for (i, of) in geometry.iter().enumerate().filter(|(_, of)| !of.is_out_of_range) {
+                tally.add("checked", true);
+                let is_number = |(hit, tmin): Answer| !hit || tmin.is_finite();
+                let is_paper_right = is_number(answers[i]) && is_right(of, answers[i]);
+                let is_outer = is_number(outer[i]) && outer_boxes::is_right(of, &case, case.boxes[i], outer[i]);
+                if !is_paper_right || !is_outer {
+                    tally.fail(|| format!("{case:?}, box {i}: {:?}, with rules bounds {:?}", answers[i], outer[i]));
+                }
+            }
+        };
+        judge(tally, &paper.right, &bounds.right);
+        let mut control = Tally::default();
+        judge(&mut control, &paper.faulty, &bounds.right);
+        tally.add(pipeline::FAULTY, control.failures());
+    })?;
+    Ok(pipeline::joined(verdict, on_netlist, "checked"))
+}
+
+/// The fault of the netlist that is the negative control: a digit of a product.
+const FAULT: &str = "raypath_fp_mul_e8s24, magnitude_6:";
+
+/// A netlist's result for each box; misses at NaN if no outcome leaves.
+fn answers_of(pipeline: &Pipeline, case: &Case) -> [Answer; 4] {
+    match pipeline.run::<16, 8>(&job(case)) {
+        Some(Outcome::Quadbox(output)) => by_index(&output),
+        _ => [(false, f32::NAN); 4],
+    }
 }
 
 /// Whether the box is hit, and tmin.
@@ -25,12 +66,19 @@ pub(super) type Answer = (bool, f32);
 
 /// The datapath's result for each box.
 pub(super) fn datapath(rules: Rules, case: &Case) -> [Answer; 4] {
-    let aabb = case.boxes.map(|[low, high]| Aabb::new(low, high));
-    let Outcome::Quadbox(output) =
-        Functional::<16, 8>::new(rules).run(&Job::Quadbox(RayBoxInput { ray: case.ray, aabb }))
-    else {
+    let Outcome::Quadbox(output) = Functional::<16, 8>::new(rules).run(&job(case)) else {
         unreachable!("a quadbox job has a quadbox outcome")
     };
+    by_index(&output)
+}
+
+fn job(case: &Case) -> Job {
+    let aabb = case.boxes.map(|[low, high]| Aabb::new(low, high));
+    Job::Quadbox(RayBoxInput { ray: case.ray, aabb })
+}
+
+/// The results in the order of the boxes in the job.
+fn by_index(output: &RayBoxOutput<Binary32>) -> [Answer; 4] {
     let mut answers = [(false, 0.0); 4];
     for (rank, hit) in output.is_intersect.to_array().into_iter().enumerate() {
         answers[u32::from(output.box_index[rank]) as usize] = (hit, output.tmin[rank].into());

@@ -20,10 +20,21 @@ pub fn run(
     cases: u64,
     case: impl Fn(&mut ChaCha8Rng, &mut Tally) + Sync,
 ) -> Result<(Tally, bool), Error> {
+    run_with(request, stream, cases, || Ok(()), |(), rng, tally| case(rng, tally))
+}
+
+/// As [`run`], with a state that each worker makes and its cases share.
+pub fn run_with<S>(
+    request: &mut Request<'_>,
+    stream: u64,
+    cases: u64,
+    state: impl Fn() -> Result<S, Error> + Sync,
+    case: impl Fn(&mut S, &mut ChaCha8Rng, &mut Tally) + Sync,
+) -> Result<(Tally, bool), Error> {
     let mut is_stopped = false;
     let mut parts = std::mem::take(&mut request.parts);
     let shards = parts.phase(|| {
-        let (mut blocks, stopped) = blocks(request, stream, cases, case)?;
+        let (mut blocks, stopped) = blocks(request, stream, cases, state, case)?;
         is_stopped = stopped;
         let failures = blocks.iter_mut().flat_map(|(block, tally)| tally.shown.iter_mut().map(|shown| (*block, shown)));
         failures.for_each(|(block, shown)| shown.0 = block);
@@ -34,20 +45,21 @@ pub fn run(
 }
 
 /// The results of the blocks with their numbers, in order, and whether the user stopped the campaign.
-fn blocks<T: Send + Default>(
+fn blocks<S, T: Send + Default>(
     request: &mut Request<'_>,
     stream: u64,
     cases: u64,
-    case: impl Fn(&mut ChaCha8Rng, &mut T) + Sync,
+    state: impl Fn() -> Result<S, Error> + Sync,
+    case: impl Fn(&mut S, &mut ChaCha8Rng, &mut T) + Sync,
 ) -> Result<(Vec<(u64, T)>, bool), Error> {
     let (seed, cases) = (request.seed, request.cases(cases, BLOCK));
     let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
-        let mut tallies = Vec::new();
+        let (mut tallies, mut state) = (Vec::new(), state()?);
         queue.run(|block, _| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(stream << 40 | block);
             let mut tally = T::default();
-            cases.range(block).for_each(|_| case(&mut rng, &mut tally));
+            cases.range(block).for_each(|_| case(&mut state, &mut rng, &mut tally));
             tallies.push((block, tally));
             Ok(())
         });
@@ -148,8 +160,8 @@ mod tests {
 
     fn numbers(seed: u64, shard: Shard, watch: &mut dyn FnMut(Progress) -> bool) -> (Vec<u32>, bool) {
         let mut request = Request { seed, shard, ..Request::new(watch) };
-        let draw = |rng: &mut ChaCha8Rng, numbers: &mut Vec<u32>| numbers.push(rng.random());
-        let (numbers, is_stopped) = blocks(&mut request, 7, 5000, draw).expect("numbers");
+        let draw = |(): &mut (), rng: &mut ChaCha8Rng, numbers: &mut Vec<u32>| numbers.push(rng.random());
+        let (numbers, is_stopped) = blocks(&mut request, 7, 5000, || Ok(()), draw).expect("numbers");
         (numbers.into_iter().flat_map(|(_, numbers)| numbers).collect(), is_stopped)
     }
 
@@ -175,8 +187,8 @@ mod tests {
     #[test]
     fn it_stops_when_told() {
         let watch = &mut |_| false;
-        let case = |_: &mut ChaCha8Rng, cases: &mut u64| *cases += 1;
-        let (some, is_stopped) = blocks(&mut Request::new(watch), 7, 1_000_000_000, case).expect("numbers");
+        let case = |(): &mut (), _: &mut ChaCha8Rng, cases: &mut u64| *cases += 1;
+        let (some, is_stopped) = blocks(&mut Request::new(watch), 7, 1_000_000_000, || Ok(()), case).expect("numbers");
         assert!(is_stopped && some.iter().map(|(_, cases)| cases).sum::<u64>() < 1_000_000_000, "{}", some.len());
     }
 

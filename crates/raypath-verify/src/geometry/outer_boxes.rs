@@ -78,6 +78,11 @@ pub(super) fn remark(tally: &Tally) -> String {
     )
 }
 
+/// Whether a result is right under the claim's conditions.
+pub(super) fn is_right(geometry: &ExactIntersection, case: &Case, aabb: [[f32; 3]; 2], answer: Answer) -> bool {
+    !is_in_range(case, aabb) || is_outer(geometry, answer)
+}
+
 /// Whether a result is not a false miss, and tmin a lower bound.
 fn is_outer(geometry: &ExactIntersection, (hit, tmin): Answer) -> bool {
     !geometry.is_hit || hit && geometry.entry.is_at_least(tmin)

@@ -2,12 +2,14 @@
 
 use super::campaign::{self, Tally};
 use super::dyadic::{Dyadic, U, within_gamma};
+use super::pipeline::{self, Pair, Pipeline, SAMPLED};
 use super::triangle_distances::truncate;
 use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{Beat, BeatInput, Binary32, Flags, Job, Outcome, Rounding, Rules};
+use raypath_rtl::Config;
 
 /// One case of this many also runs on the wrong implementations.
 const CONTROL_INTERVAL: u64 = 16;
@@ -25,8 +27,36 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
         4 => check::<32, 16>(tally, rng),
         _ => check::<64, 32>(tally, rng),
     })?;
-    Ok(verdict(tally, is_stopped))
+    let verdict = verdict(tally, is_stopped);
+    if is_stopped {
+        return Ok(verdict);
+    }
+    let pairs = || {
+        let pair = |(rounding, _)| Pair::new(Config::DEFAULT.rounding(rounding), FAULT);
+        let [unit, sum] = ROUNDINGS.map(pair);
+        Ok([unit?, sum?])
+    };
+    let on_netlist = campaign::run_with(request, 13, cases.div_ceil(SAMPLED), pairs, |pairs, rng, tally| {
+        let (numbers, beats) = shape(rng);
+        let distance = Distance::<16>::draw(rng, numbers, beats);
+        let product = Product::<8>::draw(rng, numbers, beats);
+        for (kind, pair) in ROUNDINGS.into_iter().zip(pairs) {
+            let judge = |tally: &mut Tally, pipeline: &Pipeline| {
+                let run = |job: &Job| pipeline.run(job);
+                distance.check(tally, kind, euclidean_by(run, &distance.beats));
+                product.check(tally, kind, angular_by(run, &product.beats));
+            };
+            judge(tally, &pair.right);
+            let mut control = Tally::default();
+            judge(&mut control, &pair.faulty);
+            tally.add(pipeline::FAULTY, control.failures());
+        }
+    })?;
+    Ok(pipeline::joined(verdict, on_netlist, "sums"))
 }
+
+/// The fault of the netlists that are the negative control: a step of an alignment.
+const FAULT: &str = "raypath_fp_add_e8s24, aligned_4:";
 
 /// The distribution of a vector's numbers.
 #[derive(Debug, Clone, Copy)]
@@ -109,45 +139,80 @@ fn roundings_of(rounding: Rounding, terms: usize) -> u32 {
 /// The roundings with the first of their kinds of sums.
 const ROUNDINGS: [(Rounding, usize); 2] = [(Rounding::Unit, 0), (Rounding::Sum, 3)];
 
-fn check<const E: usize, const A: usize>(tally: &mut Tally, rng: &mut ChaCha8Rng) {
-    let numbers = [Numbers::Unit, Numbers::Positive, Numbers::Near, Numbers::Wide][rng.random_range(0..4)];
-    let beats = [1, 1, 2, 3, 8, 64][rng.random_range(0..6)];
-    let last = beats - 1;
-    let vectors: Vec<_> = (0..beats).map(|beat| draw::<E>(rng, numbers, beat == last)).collect();
-    let mut exact = Sum::default();
-    for [a, b] in vectors.iter().flat_map(lanes) {
-        let difference = Dyadic::from(a) - Dyadic::from(b);
-        exact.add(&difference * &difference);
+/// A pair of vectors, and their exact squared distance.
+struct Distance<const E: usize> {
+    beats: Vec<Beat<Binary32, E>>,
+    exact: Sum,
+}
+
+/// A pair of vectors, their exact dot product, and the squared norm of the second.
+struct Product<const A: usize> {
+    beats: Vec<Beat<Binary32, A>>,
+    dot: Sum,
+    norm: Sum,
+}
+
+impl<const E: usize> Distance<E> {
+    fn draw(rng: &mut ChaCha8Rng, numbers: Numbers, beats: usize) -> Self {
+        let beats: Vec<_> = (0..beats).map(|beat| draw::<E>(rng, numbers, beat + 1 == beats)).collect();
+        let mut exact = Sum::default();
+        for [a, b] in beats.iter().flat_map(lanes) {
+            let difference = Dyadic::from(a) - Dyadic::from(b);
+            exact.add(&difference * &difference);
+        }
+        Self { beats, exact }
     }
-    let case = tally.count("sums") / NAMES.len() as u64;
-    let is_control = case.is_multiple_of(CONTROL_INTERVAL);
-    for (rounding, first) in ROUNDINGS {
+
+    fn check(&self, tally: &mut Tally, (rounding, first): (Rounding, usize), sum: f32) {
         // The difference, which counts twice, and the square; the sum of each half, and that of both; and the beats
         // after the first.
-        let roundings = 3 + roundings_of(rounding, E / 2) + 1 + last;
-        add(tally, first, euclidean::<E, A>(rounding, &vectors), &exact, roundings);
+        let roundings = 3 + roundings_of(rounding, E / 2) + self.beats.len() as u32;
+        add(tally, first, sum, &self.exact, roundings);
+    }
+}
+
+impl<const A: usize> Product<A> {
+    fn draw(rng: &mut ChaCha8Rng, numbers: Numbers, beats: usize) -> Self {
+        let beats: Vec<_> = (0..beats).map(|beat| draw::<A>(rng, numbers, beat + 1 == beats)).collect();
+        let (mut dot, mut norm) = (Sum::default(), Sum::default());
+        for [a, b] in beats.iter().flat_map(lanes).map(|pair| pair.map(Dyadic::from)) {
+            dot.add(&a * &b);
+            norm.add(&b * &b);
+        }
+        Self { beats, dot, norm }
+    }
+
+    fn check(&self, tally: &mut Tally, (rounding, first): (Rounding, usize), [dot, norm]: [f32; 2]) {
+        let roundings = roundings_of(rounding, A) + self.beats.len() as u32;
+        add(tally, first + 1, dot, &self.dot, roundings);
+        add(tally, first + 2, norm, &self.norm, roundings);
+    }
+}
+
+/// The distribution of numbers, and how many beats there are.
+fn shape(rng: &mut ChaCha8Rng) -> (Numbers, usize) {
+    let numbers = [Numbers::Unit, Numbers::Positive, Numbers::Near, Numbers::Wide][rng.random_range(0..4)];
+    (numbers, [1, 1, 2, 3, 8, 64][rng.random_range(0..6)])
+}
+
+fn check<const E: usize, const A: usize>(tally: &mut Tally, rng: &mut ChaCha8Rng) {
+    let (numbers, beats) = shape(rng);
+    let case = tally.count("sums") / NAMES.len() as u64;
+    let is_control = case.is_multiple_of(CONTROL_INTERVAL);
+    let distance = Distance::<E>::draw(rng, numbers, beats);
+    for kind in ROUNDINGS {
+        distance.check(tally, kind, euclidean::<E, A>(kind.0, &distance.beats));
         if is_control {
             refute(tally, |wrong, control| {
-                add(control, first, wrong.euclidean::<E, A>(rounding, &vectors), &exact, roundings);
+                distance.check(control, kind, wrong.euclidean::<E, A>(kind.0, &distance.beats));
             });
         }
     }
-
-    let vectors: Vec<_> = (0..beats).map(|beat| draw::<A>(rng, numbers, beat == last)).collect();
-    let (mut dot, mut norm) = (Sum::default(), Sum::default());
-    for [a, b] in vectors.iter().flat_map(lanes).map(|pair| pair.map(Dyadic::from)) {
-        dot.add(&a * &b);
-        norm.add(&b * &b);
-    }
-    for (rounding, first) in ROUNDINGS {
-        let roundings = 1 + roundings_of(rounding, A) + last;
-        let add_both = |tally: &mut Tally, [dot_product, norm_found]: [f32; 2]| {
-            add(tally, first + 1, dot_product, &dot, roundings);
-            add(tally, first + 2, norm_found, &norm, roundings);
-        };
-        add_both(tally, angular::<E, A>(rounding, &vectors));
+    let product = Product::<A>::draw(rng, numbers, beats);
+    for kind in ROUNDINGS {
+        product.check(tally, kind, angular::<E, A>(kind.0, &product.beats));
         if is_control {
-            refute(tally, |wrong, control| add_both(control, wrong.angular::<E, A>(rounding, &vectors)));
+            refute(tally, |wrong, control| product.check(control, kind, wrong.angular::<E, A>(kind.0, &product.beats)));
         }
     }
 }
@@ -164,6 +229,9 @@ fn refute(tally: &mut Tally, check: impl Fn(Wrong, &mut Tally)) {
 /// Checks |sum − exact| ≤ γₙ Σ|term| + terms · 2⁻¹⁴⁹. The last term bounds the underflow of products.
 fn add(tally: &mut Tally, kind: usize, sum: f32, exact: &Sum, roundings: u32) {
     tally.add("sums", true);
+    if !sum.is_finite() {
+        return tally.fail(|| format!("{}: {sum}, expected a number", NAMES[kind]));
+    }
     let off = (Dyadic::from(sum) - &exact.value).abs();
     let beyond_underflow = &off - &(Dyadic::from(exact.terms) * Dyadic::power_of_two(-149));
     if exact.magnitude.sign().is_gt() {
@@ -202,22 +270,38 @@ fn draw<const N: usize>(rng: &mut ChaCha8Rng, numbers: Numbers, last: bool) -> B
     }
 }
 
-/// The datapath's Euclidean sum over beats.
+/// The functional model's Euclidean sum over beats.
 fn euclidean<const E: usize, const A: usize>(rounding: Rounding, beats: &[Beat<Binary32, E>]) -> f32 {
-    let mut datapath = Functional::<E, A>::new(Rules::Paper).rounding(rounding);
-    let sum = |beat: &Beat<Binary32, E>| match datapath.run(&Job::Euclidean(BeatInput { euclidean: *beat })) {
-        Outcome::Euclidean(output) => output.euclidean_accumulator.into(),
-        other => unreachable!("a Euclidean outcome is no {other:?}"),
+    let mut model = Functional::<E, A>::new(Rules::Paper).rounding(rounding);
+    euclidean_by(|job: &Job<E, A>| Some(model.run(job)), beats)
+}
+
+/// The functional model's dot product and norm over beats.
+fn angular<const E: usize, const A: usize>(rounding: Rounding, beats: &[Beat<Binary32, A>]) -> [f32; 2] {
+    let mut model = Functional::<E, A>::new(Rules::Paper).rounding(rounding);
+    angular_by(|job: &Job<E, A>| Some(model.run(job)), beats)
+}
+
+/// The Euclidean sum over beats of a datapath that runs jobs; NaN without an outcome.
+fn euclidean_by<const E: usize, const A: usize>(
+    mut run: impl FnMut(&Job<E, A>) -> Option<Outcome>,
+    beats: &[Beat<Binary32, E>],
+) -> f32 {
+    let sum = |beat: &Beat<Binary32, E>| match run(&Job::Euclidean(BeatInput { euclidean: *beat })) {
+        Some(Outcome::Euclidean(output)) => output.euclidean_accumulator.into(),
+        _ => f32::NAN,
     };
     beats.iter().map(sum).last().unwrap_or(f32::NAN)
 }
 
-/// The datapath's dot product and norm over beats.
-fn angular<const E: usize, const A: usize>(rounding: Rounding, beats: &[Beat<Binary32, A>]) -> [f32; 2] {
-    let mut datapath = Functional::<E, A>::new(Rules::Paper).rounding(rounding);
-    let sums = |beat: &Beat<Binary32, A>| match datapath.run(&Job::Angular(BeatInput { euclidean: *beat })) {
-        Outcome::Angular(output) => [output.angular_dot_product.into(), output.angular_norm.into()],
-        other => unreachable!("an angular outcome is no {other:?}"),
+/// The dot product and the norm over beats of a datapath that runs jobs; NaN without an outcome.
+fn angular_by<const E: usize, const A: usize>(
+    mut run: impl FnMut(&Job<E, A>) -> Option<Outcome>,
+    beats: &[Beat<Binary32, A>],
+) -> [f32; 2] {
+    let sums = |beat: &Beat<Binary32, A>| match run(&Job::Angular(BeatInput { euclidean: *beat })) {
+        Some(Outcome::Angular(output)) => [output.angular_dot_product.into(), output.angular_norm.into()],
+        _ => [f32::NAN; 2],
     };
     beats.iter().map(sums).last().unwrap_or([f32::NAN; 2])
 }

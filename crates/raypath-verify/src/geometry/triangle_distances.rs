@@ -2,11 +2,12 @@
 
 use super::campaign::{self, Tally};
 use super::dyadic::{Dyadic, U, ulps_of, within_gamma};
-use super::watertight::datapath;
+use super::pipeline::{self, Pair, Pipeline, SAMPLED};
+use super::watertight::{datapath, on_netlist};
 use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rounding, Rules};
+use raypath_ops::{Binary32, Job, Outcome, Ray, RayTriangleInput, RayTriangleOutput, Rounding, Rules, Triangle};
 
 /// One case of this many also runs on the wrong implementations.
 const CONTROL_INTERVAL: u64 = 16;
@@ -18,8 +19,34 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (rules, rounding) = (request.config.semantics.rules_in_full(), request.config.semantics.rounding);
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
     let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally| run(tally, rules, rounding, rng))?;
-    Ok(verdict(tally, is_stopped))
+    let verdict = verdict(tally, is_stopped);
+    if is_stopped {
+        return Ok(verdict);
+    }
+    let config = on_netlist(rules, rounding);
+    let pair = || Pair::new(config, FAULT);
+    let on_netlist = campaign::run_with(request, 12, cases.div_ceil(SAMPLED), pair, |pair, rng, tally| {
+        let (ray, corners) = draw(rng);
+        let (exact, [a, b, c]) = (Exact::new(&ray, corners), corners);
+        let job = Job::Triangle(RayTriangleInput { ray, triangle: Triangle::new(a, b, c) });
+        let judge = |tally: &mut Tally, pipeline: &Pipeline| match pipeline.run::<16, 8>(&job) {
+            Some(Outcome::Triangle(output))
+                if f32::from(output.t_num).is_finite() && f32::from(output.t_denom).is_finite() =>
+            {
+                check(tally, &exact, &ray, corners, TriangleResult::of(output));
+            }
+            other => tally.fail(|| format!("the outcome is {other:?}")),
+        };
+        judge(tally, &pair.right);
+        let mut control = Tally::default();
+        judge(&mut control, &pair.faulty);
+        tally.add(pipeline::FAULTY, control.failures());
+    })?;
+    Ok(pipeline::joined(verdict, on_netlist, "checked"))
 }
+
+/// The fault of the netlist that is the negative control: a digit of a product.
+const FAULT: &str = "raypath_fp_mul_e8s24, magnitude_6:";
 
 /// A random triangle, and a ray at a point in or near it, from near or far, perpendicular or grazing.
 fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {

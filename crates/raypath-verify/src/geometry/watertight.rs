@@ -2,13 +2,15 @@
 
 use super::aimed_rays::{AimedRay, PlacedMesh, Target, bodies};
 use super::campaign::{self, Tally};
+use super::pipeline::{self, Pair, Pipeline, SAMPLED};
 use super::vector::{cross, dot, minus};
 use super::visibility::{Visibility, visibility};
 use crate::{Error, Request, Verdict};
-use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 use raypath_model::Functional;
 use raypath_ops::{Binary32, Job, Outcome, Ray, RayTriangleInput, RayTriangleOutput, Rounding, Rules, Triangle};
+use raypath_rtl::{Config, Lanes};
 
 /// The number of cases after which each leaking implementation must have been found.
 const ENOUGH: u64 = 100_000;
@@ -23,7 +25,40 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let bodies = bodies(request.seed);
     let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, rounding, ray, corners).triangle_hit.into();
     let (tally, is_stopped) = campaign::run(request, 1, cases, |rng, tally| run(tally, rng, &bodies, &is_hit))?;
-    Ok(verdict(tally, &bodies, is_stopped))
+    let verdict = verdict(tally, &bodies, is_stopped);
+    if is_stopped {
+        return Ok(verdict);
+    }
+    let config = on_netlist(rules, rounding);
+    let pair = || Pair::new(config, FAULT);
+    let on_netlist = campaign::run_with(request, 11, cases.div_ceil(SAMPLED), pair, |pair, rng, tally| {
+        let hits = |pipeline: &Pipeline, ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]| {
+            let job = Job::Triangle(RayTriangleInput { ray: *ray, triangle: Triangle::new(a, b, c) });
+            matches!(pipeline.run::<16, 8>(&job), Some(Outcome::Triangle(output)) if output.triangle_hit.into())
+        };
+        // Both netlists get the same rays.
+        let seed = rng.random();
+        let mut control = Tally::default();
+        for (tally, pipeline) in [(&mut *tally, &pair.right), (&mut control, &pair.faulty)] {
+            let is_hit = |ray: &Ray<Binary32>, corners| hits(pipeline, ray, corners);
+            run(tally, &mut ChaCha8Rng::seed_from_u64(seed), &bodies, &is_hit);
+        }
+        tally.add(pipeline::FAULTY, control.failures());
+        tally.add("judged", true);
+    })?;
+    Ok(pipeline::joined(verdict, on_netlist, "judged"))
+}
+
+/// The fault of the netlist that is the negative control: only U = +0 counts as at least zero.
+const FAULT: &str = "triangle_edge_u_at_least_zero: Or becomes And";
+
+/// The configuration of the netlist that geometry judges.
+pub fn on_netlist(rules: Rules, rounding: Rounding) -> Config {
+    let config = Config::DEFAULT.lanes(Lanes::None).rules(rules).rounding(rounding);
+    match rules {
+        Rules::Bounds(bits) => config.box_bits(bits),
+        Rules::Paper | Rules::Chisel => config,
+    }
 }
 
 /// An implementation: whether a ray hits a triangle.

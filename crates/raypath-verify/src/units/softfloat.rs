@@ -1,5 +1,6 @@
 //! binary32 against Berkeley SoftFloat, on the cases of Berkeley TestFloat; and SoftFloat's division.
 
+use super::aimed;
 use super::answers::Answers;
 use super::bench::{Bench, PortFormat, UnitResults, Units};
 use super::campaign::Campaign;
@@ -15,33 +16,52 @@ use softfloat_rs::{
 };
 
 /// Compares sums, differences, products and comparisons of TestFloat's cases, and the exceptions that `flagged` units
-/// raise. The netlists hold the units, unsplit and split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at
-/// level `full` all, and at `long` all a hundred times, each time with other random numbers.
+/// raise. The netlists hold the units, unsplit and split, between the encoding and decoding units. All cases of
+/// TestFloat's level 1 run; of level 2 every fifth, at level `full` all, and at `long` all a hundred times, each time with
+/// other random numbers. Cases that are aimed at the models of IBM's test suite run as well, and must hit each of their
+/// coverage points.
 pub fn testfloat(units: &Units, flagged: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let seed = request.seed;
     let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));
     let second = (0..rounds).map(|round| Pairs::new(Level::Two, seed, round).every(stride));
     let lists: Vec<Pairs> = [Pairs::new(Level::One, seed, 0)].into_iter().chain(second).collect();
+    let blocks = request.level.pick(60, 600, 6000);
+    let aimed_cases = request.cases(blocks * aimed::BLOCK, aimed::BLOCK);
     let phases: Vec<Cases> = lists.iter().map(|pairs| request.cases(pairs.count(), BLOCK)).collect();
-    let mut campaign = Campaign::new(request, &phases);
+    let mut campaign = Campaign::new(request, &[phases.as_slice(), &[aimed_cases]].concat());
+    let begin = || Ok((Bench::new(units, PortFormat::Ieee)?, FlagBench::new(flagged)?));
     let mut level_one = 0;
     for (pairs, phase) in lists.iter().zip(phases) {
-        let begin = || Ok((Bench::new(units, PortFormat::Ieee)?, FlagBench::new(flagged)?));
-        campaign.run(phase, begin, |(bench, flagged), cases| {
-            let pairs = pairs.block(cases.start / BLOCK);
-            pairs.flat_map(|(a, b)| mismatches(bench, a, b).into_iter().chain(wrong_flags(flagged, a, b))).collect()
+        campaign.run(phase, begin, |benches, cases| {
+            pairs.block(cases.start / BLOCK).flat_map(|(a, b)| all_mismatches(benches, a, b)).collect()
         })?;
         if pairs.level() == Level::One {
             level_one = campaign.done();
         }
     }
+    let level_two = campaign.done() - level_one;
+    campaign.run(aimed_cases, begin, |benches, cases| {
+        aimed::block(seed, cases.start / aimed::BLOCK).flat_map(|(a, b)| all_mismatches(benches, a, b)).collect()
+    })?;
     let covered = format!(
-        "{} cases of level 1 and {} of level 2, each of addition, subtraction, multiplication and comparison, and of \
-         their exceptions",
+        "{} cases of level 1, {} of level 2 and {} aimed ones, each of addition, subtraction, multiplication and \
+         comparison, and of their exceptions",
         grouped(level_one),
-        grouped(campaign.done() - level_one),
+        grouped(level_two),
+        grouped(campaign.done() - level_one - level_two),
     );
-    Ok(campaign.verdict(covered))
+    let mut verdict = campaign.verdict(covered);
+    if !verdict.is_stopped {
+        let (points, missing) = aimed::covered(seed, blocks).missing();
+        verdict.remarks.push(format!("{points} coverage points of IBM's test suite, hit by the aimed cases"));
+        verdict.failures.extend(missing);
+    }
+    Ok(verdict)
+}
+
+/// What is wrong of the results and of the exceptions.
+fn all_mismatches((bench, flagged): &mut (Bench, FlagBench), a: u32, b: u32) -> Vec<String> {
+    mismatches(bench, a, b).into_iter().chain(wrong_flags(flagged, a, b)).collect()
 }
 
 fn mismatches(bench: &mut Bench, a: u32, b: u32) -> Vec<String> {

@@ -1,11 +1,16 @@
 //! `raypath replay` reproduces the failures that a campaign has written to files.
 
 use crate::{ends_with, file, folder, text};
-use raypath::rtl::{Config, Control, Datapath};
+use raypath::hdl::Module;
+use raypath::hdl::mutate::{faults, replace};
+use raypath::ops::Culling;
+use raypath::oracle::added_operation;
+use raypath::rtl::{Config, Control, Datapath, Lanes};
 use raypath::sim::engine::shape;
 use raypath_verify::campaign::verify_module;
 use raypath_verify::{Request, Verdict};
 use std::path::Path;
+use std::sync::Arc;
 
 /// The verdict on the netlist of a configuration, compared with the models of the default one.
 fn verdict_on(netlist: Config, jobs: u64, seed: u64, folder: &Path) -> Verdict {
@@ -84,4 +89,42 @@ fn handshake_files_reproduce_withdrawals_and_resets() {
     }
     run("sk\nwx", "netlist", 2, &["handshake.txt:2: 'x' is not a valid cycle, expected b"]);
     run("sk", "model", 2, &["--engine model has no cycles"]);
+}
+
+/// Failures of features and added operations shrink to files that replay as well.
+#[test]
+fn failures_of_features_and_added_operations_replay() {
+    let config = Config::DEFAULT.lanes(Lanes::None).range(true).tag(5);
+    let datapath = |config: Config| {
+        let sphere = added_operation("sphere").expect("an operation");
+        raypath::sim::Datapath::paper(config).with_any(sphere.operation()).elaborate().expect("a datapath")
+    };
+    let expected = datapath(config);
+    let verdict_on = |top: &Arc<Module>, folder: &Path| {
+        let proceed = &mut |_| true;
+        let added = vec!["sphere".to_string()];
+        let mut request = Request { config, added, jobs: Some(5120), ..Request::new(proceed) };
+        let verdict = verify_module(&mut request, top, &shape(config, &expected), folder).expect("a verdict");
+        let [failure] = verdict.failures.as_slice() else { panic!("{verdict:?}") };
+        failure.clone()
+    };
+
+    let culled = folder();
+    let failure = verdict_on(datapath(config.culling(Culling::Front)).top(), culled.path());
+    let command = replay_of(&failure);
+    assert!(command.iter().any(|part| part.ends_with("triangle.txt")) && transactions(&command) <= 3, "{failure}");
+    ends_with(&[&command, &["--culling", "front"][..]].concat(), 1, &["differ from the recorded ones"]);
+    ends_with(&command, 0, &[]);
+
+    let faulty = folder();
+    let modules = raypath::hdl::verilog::modules(expected.top()).expect("modules");
+    let faulty_module = modules.iter().find_map(|module| {
+        let fault = faults(module).into_iter().find(|fault| fault.to_string().contains("sphere_hit"))?;
+        fault.apply(module).ok()
+    });
+    let wrong = replace(expected.top(), &Arc::new(faulty_module.expect("a fault"))).expect("a datapath");
+    let failure = verdict_on(&wrong, faulty.path());
+    let command = replay_of(&failure);
+    assert!(command.iter().any(|part| part.ends_with("sphere.txt")) && transactions(&command) <= 3, "{failure}");
+    ends_with(&command, 0, &[]);
 }

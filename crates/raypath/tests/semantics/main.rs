@@ -29,4 +29,4 @@ mod original_faults;
 mod rounding;
 mod timing;
 
-use raypath_verify::oracle;
+use raypath_verify::oracle::quick as oracle;

@@ -2,7 +2,7 @@
 
 use crate::commands::full::division::{Division, DivisionArguments};
 use crate::progress;
-use crate::{CliError, ConfigArguments, whole};
+use crate::{CliError, DatapathArguments, whole};
 use clap::Args;
 use raypath_rtl::Config;
 use raypath_tools::parts::Parts;
@@ -35,7 +35,7 @@ pub struct Arguments {
     #[command(flatten)]
     division: DivisionArguments,
     #[command(flatten)]
-    config: ConfigArguments,
+    datapath: DatapathArguments,
 }
 
 fn item(name: &str) -> Result<&'static str, String> {
@@ -44,7 +44,8 @@ fn item(name: &str) -> Result<&'static str, String> {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
-    let config = arguments.config.paper()?;
+    let config = arguments.datapath.config()?;
+    let name = arguments.datapath.name(config);
     let named = &arguments.items;
     let chosen: Vec<&Item> = ITEMS.iter().filter(|item| named.is_empty() || named.contains(&item.name)).collect();
     if arguments.list {
@@ -53,7 +54,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let Arguments { level, seed, .. } = arguments;
     let jobs = arguments.jobs.map_or(String::new(), |jobs| format!(", {jobs} jobs"));
     let mut division =
-        arguments.division.begin(format!("verify, level {}, seed {seed}{jobs}, {config}", level.name()))?;
+        arguments.division.begin(format!("verify, level {}, seed {seed}{jobs}, {name}", level.name()))?;
     writeln!(out, "Level {}, seed {seed}, shard {}.", level.name(), arguments.division.shard)?;
     let recorder = arguments.record.as_deref().map(Recorder::new).transpose();
     let recorder = recorder.map_err(|problem| CliError::unusable(problem.to_string()))?;
@@ -106,7 +107,9 @@ fn verify(
         progress.get_or_insert_with(|| progress::Progress::new(item.name, total)).of(total).at(reached)
     };
     let Arguments { level, jobs, seed, division: DivisionArguments { shard, .. }, .. } = *arguments;
-    let mut request = Request { config, level, jobs, seed, shard, parts, proceed: &mut watch };
+    let added = arguments.datapath.specs.iter().map(|spec| spec.name().to_string()).collect();
+    let is_chosen = !arguments.datapath.is_default();
+    let mut request = Request { config, added, is_chosen, level, jobs, seed, shard, parts, proceed: &mut watch };
     let verdict = match recorder {
         Some(recorder) => recorder.run(item, &mut request),
         None => (item.run)(&mut request),

@@ -1,8 +1,7 @@
 //! The rules of the ray-box operation.
 
-use super::rounded::{Rounded, Rule, fields};
-use crate::layout::{Field, Layout};
-use raypath_ops::JobKind;
+use super::job::{Job, Rule, rules as plain};
+use crate::layout::Field;
 
 /// The number of orders of four boxes.
 pub const PERMUTATIONS: usize = 24;
@@ -14,7 +13,7 @@ pub fn permutation(number: usize) -> [usize; 4] {
 }
 
 /// The number of an order: the inverse of [`permutation`].
-fn number_of([a, b, c, _]: [usize; 4]) -> usize {
+pub fn number_of([a, b, c, _]: [usize; 4]) -> usize {
     let rank = |x: usize, before: &[usize]| x - before.iter().filter(|&&y| y < x).count();
     6 * a + 2 * rank(b, &[a]) + rank(c, &[a, b])
 }
@@ -43,22 +42,22 @@ impl Distances {
     }
 }
 
-/// What a ray and four boxes can exercise, and the number of the boxes' order.
-pub fn box_rules(rounded: Rounded, layout: &Layout, words: &[u64]) -> ([Rule; 34], usize) {
-    let (mut origin, mut inverse, mut bounds) = ([0.0; 3], [0; 3], [[[0.0; 2]; 3]; 4]);
-    let mut extent = 0.0;
-    for (field, code) in fields(layout, JobKind::Quadbox, words) {
-        match field {
-            Field::Origin(axis) => origin[axis] = rounded.value(code),
-            Field::Inverse(axis) => inverse[axis] = code,
-            Field::Extent => extent = rounded.value(code),
-            Field::Bound { index, axis, is_max } => bounds[index][axis][usize::from(is_max)] = rounded.value(code),
-            _ => {}
+/// What a ray and boxes can exercise, and their order: the number of the order of four, and the place of each of eight.
+pub fn rules(job: &Job<'_>) -> (Vec<Rule>, Vec<usize>) {
+    let rounded = job.rounded();
+    let origin = job.vector(Field::Origin);
+    let inverse = [0, 1, 2].map(|axis| job.word(Field::Inverse(axis)).unwrap_or(0));
+    let extent = job.number(Field::Extent);
+    let count = if job.name == "octbox" { 8 } else { 4 };
+    let mut bounds = vec![[[0.0; 2]; 3]; count];
+    for (field, code) in job.each() {
+        if let Field::Bound { index, axis, is_max } = field {
+            bounds[index][axis][usize::from(is_max)] = rounded.value(code);
         }
     }
-    let backwards = inverse.map(|code| rounded.0.is_sign_negative(code));
+    let backwards = inverse.map(|code| job.semantics.format.is_sign_negative(code));
     let inverse = inverse.map(|code| rounded.value(code));
-    let boxes = bounds.map(|bounds| {
+    let distances = |bounds: &[[f64; 2]; 3]| {
         let (mut nears, mut fars) = ([(0.0, false); 3], [(0.0, false); 3]);
         for (axis, slab) in bounds.iter().enumerate() {
             let distances = slab.map(|bound| {
@@ -83,18 +82,20 @@ pub fn box_rules(rounded: Rounded, layout: &Layout, words: &[u64]) -> ([Rule; 34
             is_flat: bounds.iter().any(|[min, max]| min == max),
             is_inverted: bounds.iter().any(|[min, max]| min > max),
         }
-    });
-    let mut entries: [(bool, f64, usize); 4] = std::array::from_fn(|index| {
-        let is_hit = boxes[index].is_hit();
-        (is_hit, if is_hit { boxes[index].tmin } else { f64::INFINITY }, index)
-    });
+    };
+    let boxes: Vec<Distances> = bounds.iter().map(distances).collect();
+    let entry = |(index, of): (usize, &Distances)| {
+        let is_hit = of.is_hit();
+        (is_hit, if is_hit { of.tmin } else { f64::INFINITY }, index)
+    };
+    let mut entries: Vec<(bool, f64, usize)> = boxes.iter().enumerate().map(entry).collect();
     entries.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     let hits = entries.iter().filter(|entry| entry.0).count();
     let same = (1..hits).filter(|&i| entries[i].1 == entries[i - 1].1).count();
 
     let axis = |is: &dyn Fn(f64, bool) -> bool| (0..3).any(|axis| is(inverse[axis], backwards[axis]));
     let some = |is: &dyn Fn(&Distances) -> bool| boxes.iter().any(is);
-    let rules = [
+    let mut rules = plain([
         ("1: runs forwards along an axis", backwards.contains(&false)),
         ("1: runs backwards along an axis", backwards.contains(&true)),
         ("1: inv = +∞, a direction of +0", axis(&|inverse, backwards| inverse.is_infinite() && !backwards)),
@@ -121,17 +122,37 @@ pub fn box_rules(rounded: Rounded, layout: &Layout, words: &[u64]) -> ([Rule; 34
         ("4: a flat box, tmin ≤ tmax", some(&|b| b.is_hit() && b.is_flat)),
         ("4: a box with min > max", some(&|b| b.is_inverted)),
         ("4: tmin = tmax = +∞", some(&|b| b.tmin == b.tmax && b.tmin.is_infinite())),
-        ("5: no hit", hits == 0),
-        ("5: one hit", hits == 1),
-        ("5: two hits", hits == 2),
-        ("5: three hits", hits == 3),
-        ("5: four hits", hits == 4),
         ("5: hits at the same distance", same > 0),
-        ("5: four hits at the same distance", same == 3),
-        ("5: a hit at +∞ and a miss", (1..4).contains(&hits) && entries[hits - 1].1 == f64::INFINITY),
-    ];
-    (rules, number_of(entries.map(|(_, _, index)| index)))
+        ("5: all boxes are hit at the same distance", same == count - 1),
+        ("5: a hit at +∞ and a miss", (1..count).contains(&hits) && entries[hits - 1].1 == f64::INFINITY),
+    ]);
+    rules.extend((0..=count).map(|number| Rule::new(HITS[number], hits == number)));
+    if job.semantics.features.conservative && job.name == "quadbox" {
+        // 1 + 3 units in the last place.
+        let factor = 1.0 + 3.0 * 2_f64.powi(1 - job.semantics.format.significand() as i32);
+        let is_widened = |b: &Distances| b.tmin > b.tmax && b.tmin <= rounded.mul(b.tmax, factor);
+        rules.push(Rule::new("a box is hit only because its end is widened", some(&is_widened)));
+    }
+    let places = entries.iter().enumerate();
+    let order = match <[usize; 4]>::try_from(entries.iter().map(|(_, _, index)| *index).collect::<Vec<_>>()) {
+        Ok(order) => vec![number_of(order)],
+        Err(_) => places.map(|(place, (_, _, index))| 8 * index + place).collect(),
+    };
+    (rules, order)
 }
+
+/// The points of the number of hits.
+const HITS: [&str; 9] = [
+    "5: no hit",
+    "5: one hit",
+    "5: two hits",
+    "5: three hits",
+    "5: four hits",
+    "5: five hits",
+    "5: six hits",
+    "5: seven hits",
+    "5: eight hits",
+];
 
 #[cfg(test)]
 mod tests {

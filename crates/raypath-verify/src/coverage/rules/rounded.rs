@@ -1,16 +1,6 @@
-//! Fields of a job and arithmetic of a format, for the rules of all operations.
+//! Arithmetic of a format, for the rules of all operations.
 
-use crate::layout::{Field, Layout};
 use raypath_float::Format;
-use raypath_ops::JobKind;
-
-/// A rule's name, and whether a job exercises it.
-pub type Rule = (&'static str, bool);
-
-/// The fields of a job, each with its word.
-pub fn fields<'w>(layout: &'w Layout, kind: JobKind, words: &'w [u64]) -> impl Iterator<Item = (Field, u64)> + 'w {
-    layout.fields(kind).iter().copied().zip(words.iter().copied())
-}
 
 /// A format's arithmetic: each operation is computed in binary64 and rounded into the format.
 #[derive(Debug, Clone, Copy)]

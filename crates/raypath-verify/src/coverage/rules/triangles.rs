@@ -1,21 +1,16 @@
 //! The rules of the ray-triangle operation.
 
-use super::rounded::{Rounded, Rule, fields};
-use crate::layout::{Field, Layout};
-use raypath_ops::JobKind;
+use super::job::{Job, Rule, rules as plain};
+use crate::layout::Field;
+use raypath_ops::Culling;
 
 /// What a ray and a triangle can exercise.
-pub fn triangle_rules(rounded: Rounded, layout: &Layout, words: &[u64]) -> [Rule; 19] {
-    let (mut origin, mut shear, mut axes, mut vertices) = ([0.0; 3], [0.0; 3], [0; 3], [[0.0; 3]; 3]);
-    for (field, code) in fields(layout, JobKind::Triangle, words) {
-        match field {
-            Field::Origin(axis) => origin[axis] = rounded.value(code),
-            Field::Shear(axis) => shear[axis] = rounded.value(code),
-            Field::Axis(axis) => axes[axis] = code as usize & 3,
-            Field::Vertex { vertex, axis } => vertices[vertex][axis] = rounded.value(code),
-            _ => {}
-        }
-    }
+pub fn rules(job: &Job<'_>) -> Vec<Rule> {
+    let rounded = job.rounded();
+    let (origin, shear) = (job.vector(Field::Origin), job.vector(Field::Shear));
+    let axes = [0, 1, 2].map(|axis| job.word(Field::Axis(axis)).unwrap_or(0) as usize & 3);
+    let vertex = |vertex| [0, 1, 2].map(|axis| job.number(Field::Vertex { vertex, axis }));
+    let vertices = [vertex(0), vertex(1), vertex(2)];
     let [kx, ky, kz] = axes.map(|axis| axis.min(2));
     let (sub, mul, add) = (|a, b| rounded.sub(a, b), |a, b| rounded.mul(a, b), |a, b| rounded.add(a, b));
     let [a, b, c] = vertices.map(|vertex: [f64; 3]| {
@@ -35,7 +30,7 @@ pub fn triangle_rules(rounded: Rounded, layout: &Layout, words: &[u64]) -> [Rule
     let is_before = is_inside && t_denom > 0.0;
     let is_hit = is_before && t_num > 0.0;
     let is_nan = edges.iter().any(|edge| edge.is_nan());
-    [
+    let mut rules = plain([
         ("6: U, V, W, t_denom, t_num > 0", is_hit && zeros == 0),
         ("6: U < 0 alone", alone(0)),
         ("6: V < 0 alone", alone(1)),
@@ -55,5 +50,44 @@ pub fn triangle_rules(rounded: Rounded, layout: &Layout, words: &[u64]) -> [Rule
         ("8: an axis index of 3 reads z", axes.contains(&3)),
         ("8: two axes are the same", kx == ky || ky == kz || kx == kz),
         ("8: a miss, t_num and t_denom not zero", !is_hit && t_denom != 0.0 && t_num != 0.0),
-    ]
+    ]);
+    let features = job.semantics.features;
+    let is_behind = edges.iter().all(|edge| *edge <= 0.0) && t_denom < 0.0;
+    if features.culling != Culling::Back {
+        rules.extend(plain([
+            ("faces: a back face is hit", is_behind && t_num < 0.0 && zeros == 0),
+            ("faces: a back face is hit on an edge", is_behind && t_num < 0.0 && zeros > 0),
+            ("faces: a back face behind the origin", is_behind && t_num > 0.0),
+            ("faces: a back face, t_num = 0", is_behind && t_num == 0.0),
+            ("faces: a front face is hit", is_hit),
+        ]));
+    }
+    if features.facing {
+        rules.extend(plain([
+            ("facing: t_denom > 0", t_denom > 0.0),
+            ("facing: t_denom < 0", t_denom < 0.0),
+            ("facing: t_denom = ±0", t_denom == 0.0),
+            ("facing: t_denom is NaN", t_denom.is_nan()),
+        ]));
+    }
+    if features.range {
+        let (t_min, extent) = (job.number(Field::TMin), job.number(Field::Extent));
+        let (near, far) = (mul(t_min, t_denom), mul(extent, t_denom));
+        // The face that is hit without the range: the back one reverses the relations.
+        let hits = [is_hit && features.culling != Culling::Front, is_behind && t_num < 0.0];
+        let [is_front, is_back] = [hits[0], hits[1] && features.culling != Culling::Back];
+        let either = |front: bool, back: bool| is_front && front || is_back && back;
+        rules.extend(plain([
+            ("range: before t_min", either(near > t_num, near < t_num)),
+            ("range: at t_min", (is_front || is_back) && near == t_num),
+            ("range: between t_min and extent", either(near < t_num && t_num < far, near > t_num && t_num > far)),
+            ("range: at the extent", (is_front || is_back) && t_num == far),
+            ("range: beyond the extent", either(t_num > far, t_num < far)),
+            ("range: t_min < 0", (is_front || is_back) && t_min < 0.0),
+            ("range: t_min is NaN", (is_front || is_back) && t_min.is_nan()),
+            ("range: the extent is +∞", (is_front || is_back) && extent == f64::INFINITY),
+            ("range: the extent is NaN", (is_front || is_back) && extent.is_nan()),
+        ]));
+    }
+    rules
 }
