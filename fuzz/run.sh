@@ -13,6 +13,7 @@ build=$target features=libfuzzer wrapper=RUSTC_WORKSPACE_WRAPPER
 if [ "$1" = --whole ]; then
   shift
   build=$target/fuzz/build features=libfuzzer,c_interface wrapper=RUSTC_WRAPPER
+  export RAYPATH_FUZZ_WHOLE=1
 fi
 seconds=$1
 shift
@@ -20,6 +21,8 @@ shift
 env "$wrapper=$PWD/fuzz/rustc.sh" CARGO_INCREMENTAL=0 CARGO_TARGET_DIR="$build" \
   cargo build --release --locked --quiet --package raypath-fuzz --features "$features"
 mkdir -p "$target/fuzz/failed"
+# Readers of vectors take a path, so that their inputs are files.
+if [ -d /dev/shm ]; then export TMPDIR=/dev/shm; fi
 all=("$@")
 if [ $# -eq 0 ]; then
   mapfile -t all < <(ls fuzz/corpus)

@@ -1,12 +1,12 @@
 #!/bin/sh
 # rustc for fuzzing. Cargo calls it for the crates of the workspace (RUSTC_WORKSPACE_WRAPPER), so that a short run shares
 # the crates of other authors with the other builds, or for all crates (RUSTC_WRAPPER). Crates that read have counters of
-# edges and values of comparisons for libFuzzer, and checks of overflow. The crates of the workspace are optimised
-# little, because a build takes longer than a short run.
+# edges and values of comparisons for libFuzzer, and checks of overflow. For a short run, crates that read little have
+# none, and the crates of the workspace are optimised little, because the build takes longer than the run.
 case " $* " in
   *' build_script_build '* | *' --crate-type proc-macro '* | *' --print='* | *' -vV '*) exec "$@" ;;
 esac
-case "$CARGO_PKG_NAME" in
+case "${RAYPATH_FUZZ_WHOLE:+whole}$CARGO_PKG_NAME" in
   raypath-float | raypath-model | raypath-ops) exec "$@" -Copt-level=1 -Cdebug-assertions ;;
   raypath-embed | raypath-fuzz | raypath-hdl | raypath-oracle | raypath-rtl | raypath-timing | raypath-verify)
     exec "$@" -Copt-level=0 -Cdebug-assertions ;;
