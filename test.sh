@@ -2,7 +2,7 @@
 # Every test. Installs missing programs with scripts/install-packages.sh.
 #   ./test.sh                        all tests, and `raypath verify` at level regression
 #   ./test.sh --quick                format, clippy and unit tests: the inner loop
-#   ./test.sh --long                 also runs long tests, verifies at level full, half an hour, and checks licences
+#   ./test.sh --long                 also runs long tests, verifies at level full, half an hour, fuzzes for an hour, and checks licences
 #   RAYPATH_GOLDEN=DIR ./test.sh     also replays the whole set of golden vectors in DIR
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -60,6 +60,13 @@ if [ "$level" = full ]; then scripts/test-python.sh -m 'long or not long'; else 
 step 'Verification'
 # The program that the tests were made with: `cargo run` would compile it once more, without the feature `full`.
 "${CARGO_TARGET_DIR:-target}/release/raypath" verify --level "$level"
+
+step 'Records that are stale'
+"${CARGO_TARGET_DIR:-target}/release/raypath" verify --stale docs/records
+
+step 'Fuzzing'
+# At level full an hour in all, on two cores.
+if [ "$level" = full ]; then fuzz/run.sh --whole 260; else fuzz/run.sh 2; fi
 
 if [ "$level" = full ]; then
   step 'Licences'

@@ -211,7 +211,9 @@ fn invalid_gltf_files_are_errors() {
     changed(Gltf { offset: u64::MAX, ..good }, &["file"]);
     changed(Gltf { children: "0", ..good }, &["node 0 has two parents"]);
     changed(Gltf { uri: "absent.bin", ..good }, &["a/absent.bin: cannot read"]);
-    changed(Gltf { uri: "https://example.org/x", ..good }, &["expected a data URI or a file"]);
+    for elsewhere in ["https://example.org/x", "/dev/zero", "../a/absent.bin", "%2e%2e/b", "c/../../b"] {
+        changed(Gltf { uri: elsewhere, ..good }, &["expected a data URI or a file in the same folder"]);
+    }
     changed(Gltf { uri: "data:x;base64,&", ..good }, &["not base64"]);
     error(gltf(&good).replace("POSITION\": 1", "POSITION\": 2"), &["mesh 0 names accessor 2", "less than 2"]);
     changed(Gltf { mode: 1, ..good }, &["0 triangles"]);

@@ -5,7 +5,7 @@ mod recorded;
 use crate::random::CloneableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-pub use recorded::{read_recorded, recorded_text};
+pub use recorded::{parse_recorded, read_recorded, recorded_text};
 use std::collections::{BTreeMap, VecDeque};
 
 /// The events at the ports of the datapath in one cycle.

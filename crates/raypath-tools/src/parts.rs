@@ -146,9 +146,17 @@ impl Part {
         paths.into_iter().map(|path| Ok((path.clone(), Self::read(&path, version, work)?))).collect()
     }
 
+    /// Reads a part from the content of a file. `path` appears in messages.
+    ///
+    /// # Errors
+    /// Content that is no part.
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, ToolError> {
+        serde_json::from_slice(bytes)
+            .map_err(|problem| unexpected(path, problem.to_string(), "a part, as --part writes it"))
+    }
+
     fn read(path: &Path, version: &str, work: &str) -> Result<Self, ToolError> {
-        let part: Self = serde_json::from_slice(&read(path)?)
-            .map_err(|problem| unexpected(path, problem.to_string(), "a part, as --part writes it"))?;
+        let part = Self::parse(&read(path)?, path)?;
         if (part.version.as_str(), part.work.as_str()) != (version, work) {
             let found = format!("a part of raypath {}: {}", part.version, part.work);
             return Err(unexpected(path, found, &format!("raypath {version}: {work}")));

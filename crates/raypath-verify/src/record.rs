@@ -3,10 +3,12 @@
 //! A [`Recorder`] writes one JSON file for each item. [`table`] shows the records of a folder in Markdown. A record has
 //! the hash of its item's subject: it is stale if the subject has changed since.
 
+mod subject;
+
 use crate::files::in_folder;
 use crate::subjects::Subject;
 use crate::{Error, Item, Request, Verdict};
-use raypath_tools::{ToolError, digest, read, write};
+use raypath_tools::{ToolError, read, write};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,6 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
+use subject::hash;
 
 /// One run of an item.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -95,7 +98,7 @@ impl Recorder {
     /// # Errors
     /// The item cannot run, the repository of this program's sources is missing, or a file cannot be written.
     pub fn run(&self, item: &Item, request: &mut Request<'_>) -> Result<Verdict, Error> {
-        let subject = hash(&root(), item.subject)?;
+        let subject = current_subject(item, &root())?;
         let (level, jobs, seed, shard) = (request.level, request.jobs, request.seed, request.shard);
         let mut command = format!("verify {} --level {} --seed {seed} --shard {shard}", item.name, level.name());
         command += &jobs.map_or(String::new(), |jobs| format!(" --jobs {jobs}"));
@@ -129,9 +132,7 @@ impl Recorder {
 
     fn write(&self, record: &Record) -> Result<(), Error> {
         let path = self.folder.join(format!("{}.json", record.item));
-        let text =
-            serde_json::to_string_pretty(record).map_err(|problem| ToolError::file(&path, "write", problem.into()))?;
-        Ok(write(&path, &(text + "\n"))?)
+        Ok(write(&path, &record.text().map_err(|problem| ToolError::file(&path, "write", problem.into()))?)?)
     }
 }
 
@@ -143,11 +144,23 @@ impl Record {
     pub fn read_all(folder: &Path) -> Result<Vec<Self>, Error> {
         let is_record = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "json");
         let paths = in_folder(folder)?.into_iter().filter(is_record);
-        let record = |path: PathBuf| {
-            let no_record = |problem: serde_json::Error| ToolError::file(&path, "read", problem.into());
-            Ok(serde_json::from_slice(&read(&path)?).map_err(no_record)?)
-        };
-        paths.map(record).collect()
+        paths.map(|path| Self::parse(&read(&path)?, &path)).collect()
+    }
+
+    /// Reads a record from the content of a file. `path` appears in messages.
+    ///
+    /// # Errors
+    /// Content that is no record.
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, Error> {
+        Ok(serde_json::from_slice(bytes).map_err(|problem| ToolError::file(path, "read", problem.into()))?)
+    }
+
+    /// The content of the record's file.
+    ///
+    /// # Errors
+    /// A duration that is not a number.
+    pub fn text(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
     }
 
     /// Whether the item's subject in the repository at `root` differs from the recorded one.
@@ -155,8 +168,16 @@ impl Record {
     /// # Errors
     /// The subject cannot be read.
     pub fn is_stale(&self, item: &Item, root: &Path) -> Result<bool, Error> {
-        Ok(self.subject != Some(hash(root, item.subject)?))
+        Ok(self.subject != Some(current_subject(item, root)?))
     }
+}
+
+/// The SHA-256 of an item's subject in the repository at `root`.
+///
+/// # Errors
+/// The subject cannot be read.
+pub fn current_subject(item: &Item, root: &Path) -> Result<String, Error> {
+    hash(root, item.subject)
 }
 
 /// The repository from which this program was built.
@@ -172,40 +193,19 @@ fn printed(folder: &Path, command: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_string())
 }
 
-/// The SHA-256, in hexadecimal digits, of the files under these paths of the repository at `root`. Lines with only a
-/// comment, empty lines and indentation have no effect.
-fn hash(root: &Path, subject: &[&str]) -> Result<String, Error> {
-    let mut files = Vec::new();
-    for path in subject {
-        collect(&root.join(path), &mut files)?;
-    }
-    files.sort();
-    files.dedup();
-    let mut bytes = Vec::new();
-    for path in files {
-        let text = read(&path)?;
-        bytes.extend(path.strip_prefix(root).unwrap_or(&path).to_string_lossy().bytes());
-        for line in String::from_utf8_lossy(&text).lines().map(str::trim) {
-            if !line.is_empty() && !line.starts_with("//") {
-                bytes.push(b'\n');
-                bytes.extend(line.bytes());
-            }
+/// A line for each item whose record is missing or stale.
+///
+/// # Errors
+/// A subject cannot be read.
+pub fn stale(items: &[Item], records: &[Record], root: &Path) -> Result<Vec<String>, Error> {
+    let line = |item: &Item| match records.iter().find(|record| record.item == item.name) {
+        None => Ok(Some(format!("{}: not recorded", item.name))),
+        Some(record) if record.is_stale(item, root)? => {
+            Ok(Some(format!("{}: recorded at {}, its subject has changed since", item.name, commit(record))))
         }
-        bytes.push(0);
-    }
-    Ok(digest(&bytes))
-}
-
-/// Adds a file, or all files in a folder and below.
-fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Error> {
-    if path.is_file() {
-        files.push(path.to_path_buf());
-        return Ok(());
-    }
-    for entry in in_folder(path)? {
-        collect(&entry, files)?;
-    }
-    Ok(())
+        Some(_) => Ok(None),
+    };
+    items.iter().filter_map(|item| line(item).transpose()).collect()
 }
 
 /// A table in Markdown with a row for each item and its record. A record is shown as stale if its subject differs from
@@ -256,7 +256,7 @@ fn time(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Record, hash, table, time};
+    use super::{Record, hash, stale, table, time};
     use crate::Item;
     use std::collections::BTreeMap;
 
@@ -296,7 +296,11 @@ mod tests {
         let current = "| `sums` | sums are right | exact arithmetic | 3 sums | `verify sums --level full` | 0123456 | \
                        40 s | as claimed |";
         assert_eq!(row(&record), current);
+        let lines = |records: &[Record]| stale(&[ITEM], records, root).expect("lines");
+        assert_eq!(lines(std::slice::from_ref(&record)), Vec::<String>::new());
         std::fs::write(&file, "let a = 2;\n").expect("a file");
+        assert_eq!(lines(std::slice::from_ref(&record)), ["sums: recorded at 0123456, its subject has changed since"]);
+        assert_eq!(lines(&[]), ["sums: not recorded"]);
         assert!(row(&record).ends_with("| as claimed, **stale** |"));
         assert!(row(&Record { subject: None, ..record.clone() }).ends_with("**stale** |"));
         assert!(row(&Record { is_dirty: Some(true), ..record }).contains("| 0123456, changed |"));
@@ -306,25 +310,5 @@ mod tests {
     #[test]
     fn the_unit_of_a_time_depends_on_its_length() {
         assert_eq!([24.0, 660.0, 7505.0].map(time), ["24 s", "11 min", "2 h 5 min"]);
-    }
-
-    #[test]
-    fn the_hash_depends_on_code_and_not_on_comments() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let hash_of = |text: &str| {
-            std::fs::write(folder.path().join("a.rs"), text).expect("a file");
-            hash(folder.path(), &["a.rs"]).expect("a hash")
-        };
-        let first = hash_of("fn one() -> u32 {\n    1\n}\n");
-        assert_eq!(hash_of("// One.\n\nfn one() -> u32 {\n1\n}"), first);
-        assert_ne!(hash_of("fn one() -> u32 {\n    2\n}\n"), first);
-        assert_eq!(first.len(), 64);
-    }
-
-    #[test]
-    fn a_missing_path_is_an_error() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let problem = hash(folder.path(), &["nothing"]).expect_err("no such path");
-        assert!(problem.to_string().contains("nothing"), "{problem}");
     }
 }

@@ -6,7 +6,9 @@ use gltf::buffer::Source;
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
 use percent_encoding::percent_decode_str;
-use std::path::Path;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Component, Path};
 
 /// The maximum number of triangles. Nodes can repeat meshes, so a small file could otherwise exhaust memory.
 const MAX_TRIANGLES: usize = 1 << 26;
@@ -97,7 +99,7 @@ fn buffers(document: &Document, mut blob: Option<Vec<u8>>, path: &Path) -> Resul
     let content = |buffer: gltf::Buffer| {
         let content = match buffer.source() {
             Source::Bin => blob.take().ok_or_else(|| "no binary chunk, expected one".to_string()),
-            Source::Uri(uri) => resource(uri, path),
+            Source::Uri(uri) => resource(uri, path, buffer.length()),
         };
         let content = content.and_then(|content| match content.len() {
             found if found < buffer.length() => Err(format!("{found} bytes, expected {}", buffer.length())),
@@ -108,17 +110,23 @@ fn buffers(document: &Document, mut blob: Option<Vec<u8>>, path: &Path) -> Resul
     document.buffers().map(content).collect()
 }
 
-fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
+/// The first `length` bytes of what a URI names.
+fn resource(uri: &str, path: &Path, length: usize) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, encoded) = data.split_once(";base64,").ok_or("data URI without ';base64,', expected it")?;
         return BASE64.decode(encoded).map_err(|problem| format!("data URI is not base64: {problem}"));
     }
-    if uri.contains("://") {
+    let name = percent_decode_str(uri).decode_utf8().map_err(|_| format!("'{uri}', expected UTF-8 when decoded"))?;
+    // A file from elsewhere must not choose which file of the machine is read, nor name an endless one.
+    if uri.contains("://")
+        || !Path::new(&*name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+    {
         return Err(format!("'{uri}', expected a data URI or a file in the same folder"));
     }
-    let name = percent_decode_str(uri).decode_utf8().map_err(|_| format!("'{uri}', expected UTF-8 when decoded"))?;
     let file = path.parent().unwrap_or(Path::new("")).join(&*name);
-    std::fs::read(&file).map_err(|problem| format!("{}: cannot read: {problem}", file.display()))
+    let mut content = Vec::new();
+    let read = File::open(&file).and_then(|file| file.take(length as u64).read_to_end(&mut content));
+    read.map(|_| content).map_err(|problem| format!("{}: cannot read: {problem}", file.display()))
 }
 
 struct SceneMesh {

@@ -35,7 +35,14 @@ pub fn recorded_text(cycles: &[Cycle]) -> String {
 /// A file that cannot be read, or with an unknown letter.
 pub fn read_recorded(path: &Path) -> Result<Vec<Cycle>, InputError> {
     let text = std::fs::read_to_string(path);
-    let text = text.map_err(|problem| InputError::in_file(path, format!("{problem}, expected text")))?;
+    parse_recorded(&text.map_err(|problem| InputError::in_file(path, format!("{problem}, expected text")))?, path)
+}
+
+/// Reads the cycles of a text. `path` appears in messages.
+///
+/// # Errors
+/// An unknown letter, or a `w` without a cycle.
+pub fn parse_recorded(text: &str, path: &Path) -> Result<Vec<Cycle>, InputError> {
     let mut cycles = Vec::new();
     let mut withdraws = false;
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.starts_with('#')) {
@@ -61,5 +68,8 @@ pub fn read_recorded(path: &Path) -> Result<Vec<Cycle>, InputError> {
             withdraws = false;
         }
     }
-    Ok(cycles)
+    match withdraws {
+        true => Err(InputError::in_file(path, format!("'w' at the end, {LETTERS}"))),
+        false => Ok(cycles),
+    }
 }

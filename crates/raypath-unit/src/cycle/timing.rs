@@ -188,7 +188,7 @@ impl Timing {
             && self.weights.as_ref().is_none_or(Weights::is_empty)
             && self.queues.ready() & waiting == 0;
         let cycles = if is_still { limit } else { 0 };
-        self.cycles += cycles;
+        self.cycles = self.cycles.saturating_add(cycles);
         cycles
     }
 
@@ -203,7 +203,7 @@ impl Timing {
         self.jobs(enters_instance);
         self.blocks(contexts, edge.arrived);
         self.queues.edge();
-        self.cycles += 1;
+        self.cycles = self.cycles.saturating_add(1);
     }
 
     pub fn reset(&mut self) {

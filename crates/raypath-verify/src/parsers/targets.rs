@@ -1,5 +1,10 @@
 //! The parsers of all formats that raypath reads, as functions of bytes.
 
+mod meshes;
+mod results;
+mod scenes;
+mod vectors;
+
 use crate::request::{Level, Shard};
 use raypath_float::Format;
 use raypath_model::Model;
@@ -38,8 +43,21 @@ pub const TARGETS: &[Target] = &[
     target("opensta_power", "OpenSTA's messages about power", parsers::opensta_power),
     target("kept_result", "results in the cache", parsers::kept_result),
     target("earlier_report", "reports to compare with, in JSON", earlier_report),
+    target("obj", "meshes in OBJ", meshes::obj),
+    target("gltf", "meshes in glTF, text and binary", meshes::gltf),
+    target("ply", "meshes in PLY, text and binary", meshes::ply),
+    target("stl", "meshes in STL, text and binary", meshes::stl),
+    target("rays", "files of rays", meshes::rays),
+    target("scene", "scenes in the memory of the traversal unit", scenes::scene),
     target("hits", "hits of rays, with instances and without", hits),
     target("instances", "places of a mesh in a scene", instances),
+    target("fvecs", "vectors of floats and of bytes, each after its length", vectors::fvecs),
+    target("ivecs", "vectors of integers, and true neighbours", vectors::ivecs),
+    target("npy", "arrays of NumPy", vectors::npy),
+    target("hdf5", "HDF5 in the layout of ann-benchmarks", vectors::hdf5),
+    target("handshakes", "recorded handshakes", results::handshakes),
+    target("record", "records of verification runs, in JSON", results::record),
+    target("part", "results of shards, in JSON", results::part),
     target("arguments", "values of the command line's options", arguments),
 ];
 

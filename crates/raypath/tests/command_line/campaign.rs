@@ -88,6 +88,7 @@ fn handshake_files_reproduce_withdrawals_and_resets() {
         run("sk\nwb", engine, 1, &[]);
     }
     run("sk\nwx", "netlist", 2, &["handshake.txt:2: 'x' is not a valid cycle, expected b"]);
+    run("sk\nw", "netlist", 2, &["handshake.txt: 'w' at the end, expected b"]);
     run("sk", "model", 2, &["--engine model has no cycles"]);
 }
 

@@ -6,7 +6,7 @@ use crate::{CliError, DatapathArguments, whole};
 use clap::Args;
 use raypath_rtl::Config;
 use raypath_tools::parts::Parts;
-use raypath_verify::record::Recorder;
+use raypath_verify::record::{Record, Recorder, root, stale};
 use raypath_verify::{ITEMS, Item, Level, Request, Verdict};
 use std::io::Write;
 use std::path::PathBuf;
@@ -20,6 +20,9 @@ pub struct Arguments {
     /// List the items with their claims and oracles, and do nothing
     #[arg(long)]
     list: bool,
+    /// List the items whose record in this folder is missing or stale, and do nothing
+    #[arg(long, value_name = "DIR", conflicts_with = "list")]
+    stale: Option<PathBuf>,
     /// The effort: seconds for each item, minutes for each item, or hours
     #[arg(long, default_value = "regression", value_name = "regression|full|long")]
     level: Level,
@@ -50,6 +53,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let chosen: Vec<&Item> = ITEMS.iter().filter(|item| named.is_empty() || named.contains(&item.name)).collect();
     if arguments.list {
         return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(CliError::from);
+    }
+    if let Some(folder) = &arguments.stale {
+        let items: Vec<Item> = chosen.into_iter().copied().collect();
+        let lines = Record::read_all(folder).and_then(|records| stale(&items, &records, &root()));
+        return lines.map_err(CliError::unusable)?.iter().try_for_each(|line| Ok(writeln!(out, "{line}")?));
     }
     let Arguments { level, seed, .. } = arguments;
     let jobs = arguments.jobs.map_or(String::new(), |jobs| format!(", {jobs} jobs"));
