@@ -37,6 +37,7 @@ debian c++ g++
 debian make make
 debian ccache ccache
 debian verilator verilator
+debian iverilog iverilog
 debian cmake cmake
 debian pkg-config pkg-config
 debian /usr/include/systemc.h libsystemc-dev

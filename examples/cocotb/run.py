@@ -12,13 +12,17 @@ here = pathlib.Path(__file__).parent
 folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "build/original").resolve()
 listed = (folder / "raypath.f").read_text().split()
 simulator = os.environ.get("SIM", "verilator")
-fast = ["-O1", "-CFLAGS", "-O0", "--x-assign", "0"] if simulator == "verilator" else ["-g2012"]
+arguments = ["-g2012"]
+if simulator == "verilator":
+    # The assertions of the control.
+    listed.append("raypath_properties.sv")
+    arguments = ["-O1", "-CFLAGS", "-O0", "--assert", "--x-assign", "0"]
 
 sys.path.insert(0, str(here))
 os.environ["PYTHONPATH"] = os.pathsep.join(sys.path)
 runner = get_runner(simulator)
 build = folder / "cocotb" / simulator
-runner.build(sources=[folder / name for name in listed], hdl_toplevel="raypath", build_args=fast, build_dir=build,
+runner.build(sources=[folder / name for name in listed], hdl_toplevel="raypath", build_args=arguments, build_dir=build,
              timescale=("1ns", "1ps"))
 results = runner.test(hdl_toplevel="raypath", test_module="test_raypath", build_dir=build)
 check_results_file(results)

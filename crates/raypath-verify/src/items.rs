@@ -4,7 +4,7 @@ use crate::units::Dividers;
 use crate::units::bench::Units;
 use crate::units::proofs;
 use crate::{Error, Request, Verdict};
-use crate::{campaign, control, dataflow, gates, geometry, models, mutation, parsers, unit, units};
+use crate::{campaign, control, dataflow, gates, geometry, models, mutation, parsers, reset, unit, units};
 use raypath_float::Format;
 use std::path::Path;
 
@@ -209,6 +209,24 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/stimuli",
         ],
         run: |request| campaign::verify(request, Path::new(campaign::FOLDER)),
+    },
+    Item {
+        name: "reset",
+        claim: "after a reset nothing unknown leaves a port that has a meaning, whatever registers, memories and inputs \
+            without meaning hold; outcomes are those of the models",
+        oracle: "simulation of the emitted SystemVerilog with unknown values, by Yosys and Icarus Verilog; the \
+            cycle-exact and the functional model",
+        subject: &[
+            "crates/raypath-float/src",
+            "crates/raypath-hdl/src",
+            "crates/raypath-ops/src",
+            "crates/raypath-rtl/src",
+            "crates/raypath-tools/src/four_state.rs",
+            "crates/raypath-unit/src",
+            "crates/raypath-verify/src/reset.rs",
+            "crates/raypath-verify/src/reset",
+        ],
+        run: reset::verify,
     },
     Item {
         name: "mutation",

@@ -29,6 +29,7 @@ pub mod oracle;
 pub mod parsers;
 pub mod record;
 mod request;
+mod reset;
 pub mod sat;
 pub mod stimuli;
 pub mod subjects;

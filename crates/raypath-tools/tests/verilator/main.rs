@@ -4,6 +4,7 @@ mod clock_gates;
 mod compare;
 #[path = "../../../raypath-hdl/tests/common/operators.rs"]
 mod every;
+mod four_state;
 mod frames;
 mod memories;
 #[path = "../../../raypath-hdl/tests/common/netlists.rs"]
