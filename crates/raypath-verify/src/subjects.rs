@@ -83,7 +83,7 @@ pub fn all() -> Vec<Subject> {
         of(small.facing(true), Mistake::TiesAway),
         of(small.culling(Culling::Front), Mistake::CullingIgnored),
         of(small.culling(Culling::None), Mistake::OpenEdges),
-        of(small.range(true), Mistake::OpenRange),
+        of(small.range(true), Mistake::OtherOrder),
         of(small.range(true).culling(Culling::None), Mistake::OpenRange),
         of(small.range(true).culling(Culling::None).rules(Rules::Chisel), Mistake::OpenRange),
         of(small.range(true).culling(Culling::Front).format(Format::BINARY16), Mistake::OpenRange),

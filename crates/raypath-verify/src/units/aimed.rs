@@ -71,7 +71,7 @@ fn pair(rng: &mut ChaCha8Rng, index: u64) -> (u32, u32) {
         5 => {
             // Near the largest number: a sum with some of its units, or a product with nearly 1, 2 or 1/2.
             let near = LARGEST - rng.random_range(0..5);
-            let units = (104 + 127) << 23 | rng.random_range(0..3) << 22;
+            let units = (104 + 127 + rng.random_range(0..2_u32)) << 23 | rng.random_range(0..2_u32) << 22;
             let factor = ((126 + rng.random_range(0..3_u32)) << 23).wrapping_add_signed(rng.random_range(-3..4));
             (near, if one_of_two { units } else { factor })
         }
