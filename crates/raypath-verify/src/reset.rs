@@ -60,12 +60,14 @@ enum Subject {
     Unit,
 }
 
+/// A message about what is wrong at the outputs of a cycle.
+type Check = Box<dyn Fn(usize, &[KnownWord]) -> Option<String>>;
+
 /// A run of a subject.
 struct Scenario {
     top: Arc<Module>,
     frames: Vec<Vec<KnownWord>>,
-    /// A message about what is wrong at the outputs of a cycle.
-    check: Box<dyn Fn(usize, &[KnownWord]) -> Option<String>>,
+    check: Check,
     /// The outcomes that are shown.
     outcomes: u64,
 }
