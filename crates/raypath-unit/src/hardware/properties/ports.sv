@@ -41,7 +41,8 @@ module raypath_unit_ports_properties #(
   always_ff @(posedge clk_i) begin
     if (runs_q) begin
       hits_have_rays:      assert (!leaves_i || inside_q != 0);
-      contexts_suffice:    assert (inside_q <= Contexts[ContextWidth:0]);
+      // A context is free again while its hit waits at the port.
+      contexts_suffice:    assert (inside_q <= Contexts[ContextWidth:0] + 1'b1);
       tags_are_free:       assert (!requests_i || left_q[request_tag_i] == 0);
       // Of the memory, not of the unit.
       arrivals_were_asked: assert (!arrives_i || left_q[arrival_tag_i] != 0);
