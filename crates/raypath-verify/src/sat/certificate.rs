@@ -181,17 +181,16 @@ mod tests {
 
     #[test]
     fn only_a_complete_certificate_counts() {
-        let clauses = Clauses::of(GRAPH).expect("a graph");
-        // The output is set, so both gates are, so input 1 is and is not.
-        assert!(matches!(clauses.check(&[(false, vec![])]), Certificate::Checked { steps: 1 }));
-        assert!(matches!(clauses.check(&[]), Certificate::Wrong(_)));
-        assert!(matches!(clauses.check(&[(false, vec![20])]), Certificate::Wrong(_)));
-        // Another output: gate 3 can be 1, and a certificate of the empty clause is wrong.
-        let other = Clauses {
-            clauses: clauses.clauses.iter().cloned().map(|c| if c == [10] { vec![6] } else { c }).collect(),
-            ..clauses
-        };
-        assert!(matches!(other.check(&[(false, vec![])]), Certificate::Wrong(_)));
+        // All combinations of two variables.
+        let clauses = vec![vec![2, 4], vec![2, 5], vec![3, 4], vec![3, 5]];
+        let all = Clauses { variables: 3, clauses };
+        let steps = [(false, vec![2]), (false, vec![])];
+        assert_eq!(all.check(&steps), Certificate::Checked { steps: 2 });
+        for wrong in [&steps[..0], &[(false, vec![])], &[(false, vec![20])]] {
+            assert!(matches!(all.check(wrong), Certificate::Wrong(_)), "{wrong:?}");
+        }
+        let can_hold = Clauses { variables: 3, clauses: all.clauses[..3].to_vec() };
+        assert!(matches!(can_hold.check(&steps), Certificate::Wrong(_)));
     }
 
     #[test]

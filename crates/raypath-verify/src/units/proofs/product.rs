@@ -458,7 +458,7 @@ mod tests {
 
     #[test]
     fn a_theorem_needs_each_of_its_lemmas() {
-        let format = Format::new(4, 8).expect("a format");
+        let format = Format::new(5, 8).expect("a format");
         for inferred in [false, true] {
             let multiplier = Multiplier { format, inferred, short: None, with_flags: true };
             let Theorem { lemmas, follows } = multiplier.theorem().expect("a theorem");

@@ -181,7 +181,6 @@ fn multipliers(level: Level) -> impl Iterator<Item = Multiplier> {
         (Level::Full, 5, 9, false, 4, false),
         (Level::Full, 4, 6, false, 0, true),
         (Level::Full, 3, 4, false, 0, false),
-        (Level::Full, 3, 3, false, 0, false),
     ];
     let chosen = MULTIPLIERS.iter().filter(move |(least, ..)| level >= *least);
     chosen.filter_map(|&(_, exponent, significand, inferred, short, with_flags)| {
