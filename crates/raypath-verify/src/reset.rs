@@ -1,7 +1,7 @@
 //! Reset: after one, nothing unknown leaves a port that has a meaning, whatever registers and memories held before.
 //!
-//! The emitted text is simulated with the values 0, 1 and unknown ([`FourState`]). All registers and memories begin with
-//! unknown values, and so are inputs in every cycle in which they have no meaning.
+//! The emitted text is simulated with the values 0, 1 and unknown ([`FourState`]). All registers and memories begin
+//! with unknown values, and so are inputs in every cycle in which they have no meaning.
 
 mod datapath;
 mod faults;

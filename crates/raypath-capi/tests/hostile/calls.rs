@@ -276,7 +276,8 @@ impl Caller {
     fn call_of_unit(&mut self, script: &mut Script<'_>, made: &mut Made) -> Status {
         let unit: *const Unit = if script.byte().is_multiple_of(8) { null() } else { self.unit };
         let kind = script.byte() % 8;
-        // SAFETY: the unit is open or NULL, the model NULL or made and not freed; `pointer` keeps the contract of arrays.
+        // SAFETY: the unit is open or NULL, the model NULL or made and not freed; `pointer` keeps the contract of
+        // arrays.
         unsafe {
             match kind {
                 0 => {

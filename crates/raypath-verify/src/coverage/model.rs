@@ -129,7 +129,8 @@ impl CoverageModel {
         Self { operations: operations.collect(), capacity: shape.capacity(), shape: shape.clone(), semantics, layout }
     }
 
-    /// The points that a job covers, as far as they are known when it enters. A job of an unknown operation covers none.
+    /// The points that a job covers, as far as they are known when it enters. A job of an unknown operation covers
+    /// none.
     pub fn job_points(&self, kind: OperationId, words: &[u64]) -> JobPoints {
         let position = self.operations.iter().position(|operation| operation.kind == kind);
         let mut covered = JobPoints { operation: position.unwrap_or(0), accumulator: 0, points: [0; 5] };

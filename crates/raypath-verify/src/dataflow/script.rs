@@ -59,8 +59,8 @@ impl Script {
     /// The value of a function that may be any function which does not depend on the order of its operands.
     ///
     /// It is a function of the sum of the operands' weights, which are any function of an operand. That is no
-    /// restriction: a script has a few hundred lists of operands at most, and for random weights the probability that two
-    /// different lists have the same sum is less than 2^-[`WEIGHT`] times the number of pairs of lists, times their
+    /// restriction: a script has a few hundred lists of operands at most, and for random weights the probability that
+    /// two different lists have the same sum is less than 2^-[`WEIGHT`] times the number of pairs of lists, times their
     /// length. So there are weights for which all sums differ.
     pub fn apply_to_all(&mut self, function: &str, operands: &[Term], width: u32) -> Term {
         let weight = format!("weight of {function}");

@@ -104,8 +104,8 @@ impl Inputs {
         frame
     }
 
-    /// The inputs of a cycle as far as they have a meaning: in a reset only the reset, otherwise the handshakes, and if a
-    /// job is offered its opcode and operands.
+    /// The inputs of a cycle as far as they have a meaning: in a reset only the reset, otherwise the handshakes, and if
+    /// a job is offered its opcode and operands.
     fn known(&self, cycle: &Cycle) -> Vec<KnownWord> {
         let inputs = &cycle.inputs;
         let mut known = vec![0];

@@ -1,9 +1,9 @@
 //! Certificates of proofs: a second solver, and a program that checks each of its steps.
 //!
 //! The and-gates of a graph become clauses here, without ABC. CaDiCaL finds that they cannot hold together with the
-//! output, and writes the clauses that it learned (DRAT). The crate `dratify` checks that each follows from those before
-//! it, up to the empty clause. So a certified proof relies on the graph, on this translation and on the checker, and
-//! neither on ABC nor on CaDiCaL.
+//! output, and writes the clauses that it learned (DRAT). The crate `dratify` checks that each follows from those
+//! before it, up to the empty clause. So a certified proof relies on the graph, on this translation and on the checker,
+//! and neither on ABC nor on CaDiCaL.
 
 use crate::error::Error;
 use dratify::{Checker, Lit};

@@ -1,6 +1,6 @@
 //! Coverage of the operands of binary32 units, by the models of IBM's "Floating-Point Test-Suite for IEEE" (IBM Labs in
-//! Haifa, FPgen team; the repository `cover-float` lists them) that concern addition, multiplication and comparison with
-//! rounding to nearest.
+//! Haifa, FPgen team; the repository `cover-float` lists them) that concern addition, multiplication and comparison
+//! with rounding to nearest.
 //!
 //! Left out are the models of other operations (fused products, division, roots, conversions: B14 to B18, B20 to B29),
 //! and B2, B11 and B13, whose operands are near to those of B1, B9 and B5.

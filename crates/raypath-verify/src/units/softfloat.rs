@@ -17,9 +17,9 @@ use softfloat_rs::{
 
 /// Compares sums, differences, products and comparisons of TestFloat's cases, and the exceptions that `flagged` units
 /// raise. The netlists hold the units, unsplit and split, between the encoding and decoding units. All cases of
-/// TestFloat's level 1 run; of level 2 every fifth, at level `full` all, and at `long` all a hundred times, each time with
-/// other random numbers. Cases that are aimed at the models of IBM's test suite run as well, and must hit each of their
-/// coverage points.
+/// TestFloat's level 1 run; of level 2 every fifth, at level `full` all, and at `long` all a hundred times, each time
+/// with other random numbers. Cases that are aimed at the models of IBM's test suite run as well, and must hit each of
+/// their coverage points.
 pub fn testfloat(units: &Units, flagged: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let seed = request.seed;
     let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));

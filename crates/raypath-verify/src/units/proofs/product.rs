@@ -382,8 +382,8 @@ impl Unit {
         [format!("[{}:{}]", self.columns() - 1, n - 2), format!("[{}:0]", n - 3)]
     }
 
-    /// Lemma 6. The product `p` is free, but as large as that of two significands. Where an operand is zero, infinite or
-    /// NaN, the reference multiplies other numbers than the unit, so it has another product, `q`.
+    /// Lemma 6. The product `p` is free, but as large as that of two significands. Where an operand is zero, infinite
+    /// or NaN, the reference multiplies other numbers than the unit, so it has another product, `q`.
     fn rounding(&self) -> Result<Lemma, Error> {
         let (format, columns, [upper, lower]) = (self.multiplier.format, self.columns(), self.split());
         let (width, (s, n)) = (format.ieee_width(), self.widths());
