@@ -71,7 +71,7 @@ impl Problem {
         let is_narrow = matches!(config.semantics.rules, Rules::Bounds(_));
         let has_quantised = config.semantics.features.quantised_boxes || pipeline.has_added;
         let reads_signs_at_ports = ieee_registers || is_narrow || has_quantised;
-        let units = Units { design, format, ieee_registers, reads_signs_at_ports };
+        let units = Units { design, format, ieee_registers, reads_signs_at_ports, positive_nans: is_narrow };
         let outcome = outcome(operation, &mut script, units, &values);
         let mut expected = outcome.outputs;
         expected.extend(values.input("tag").map(|tag| ("tag".to_string(), tag)));
@@ -119,7 +119,7 @@ impl Problem {
         let mut script = Script::default();
         let mut unrolled = Unrolled::new(design);
         let operand = unrolled.value(&mut script, ENTERS, find(&design.inputs, &format!("{port_in}_i"))?)?;
-        let units = Units { design, format, ieee_registers: false, reads_signs_at_ports: false };
+        let units = Units { design, format, ieee_registers: false, reads_signs_at_ports: false, positive_nans: false };
         if matches!(conversion, Conversion::Narrow(_)) {
             units.is_canonical(&mut script, operand);
         }

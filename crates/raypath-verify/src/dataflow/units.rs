@@ -16,6 +16,8 @@ pub(super) struct Units<'d> {
     /// The design reads signs at the ports before it encodes, where a NaN may have another sign than the word that the
     /// encoder writes. What units do with a NaN matters then.
     pub reads_signs_at_ports: bool,
+    /// NaNs at the ports have the sign 0.
+    pub positive_nans: bool,
 }
 
 /// The results of a unit of two operands.
@@ -215,6 +217,9 @@ impl Units<'_> {
         script.assume(&format!("(= (= {magnitude} {zero}) (= {class} #b000))"));
         script.assume(&format!("(= (bvugt {magnitude} {infinity}) (= {class} #b111))"));
         script.assume(&format!("(or (= {class} #b111) (= {sign} {recoded_sign}))"));
+        if self.positive_nans {
+            script.assume(&format!("(=> (= {class} #b111) (and (= {sign} #b0) (= {recoded_sign} #b0)))"));
+        }
     }
 
     /// An output of the unit with this name; none if the design has no such unit.
