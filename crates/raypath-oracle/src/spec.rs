@@ -126,6 +126,12 @@ impl AnyOperationSpec {
         }
     }
 
+    /// What the oracle says about an outcome: the words at all ports that the operation may have. The job is the first
+    /// of its stream. None without an oracle.
+    pub fn judges(&self, job: &[u64], outcome: &[u64]) -> Option<Result<(), String>> {
+        self.oracle.as_ref().map(|oracle| (oracle.check)()(job, outcome))
+    }
+
     /// The operation.
     pub fn operation(&self) -> Arc<dyn AnyOperation> {
         self.operation.clone()

@@ -1,0 +1,127 @@
+//! The fates of the faults in operations.
+
+use super::LIST;
+use super::subjects::Subject;
+use crate::mutation::{Count, MIN_SCORE, percent};
+use crate::{Error, Verdict, files};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// What became of a fault.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fate {
+    /// An oracle refuses an outcome.
+    Killed,
+    /// No oracle refuses one, and Z3 proves that no job can show the fault.
+    Equivalent,
+    /// No oracle refuses an outcome. Whether one differs.
+    Survived { differs: bool },
+}
+
+pub struct Report<'s> {
+    subjects: &'s [Subject],
+    /// The faults of all subjects, of which those of this shard have a fate.
+    fates: BTreeMap<usize, Fate>,
+    expected: usize,
+}
+
+impl<'s> Report<'s> {
+    pub fn new(subjects: &'s [Subject], fates: BTreeMap<usize, Fate>, expected: usize) -> Self {
+        Self { subjects, fates, expected }
+    }
+
+    pub fn count(&self) -> Count {
+        count(self.fates.values())
+    }
+
+    /// The subjects with the numbers of their faults, each with its fate.
+    fn by_subject(&self) -> impl Iterator<Item = (&'s Subject, Vec<(&'s str, &Fate)>)> {
+        let mut first = 0;
+        self.subjects.iter().map(move |subject| {
+            let of = first..first + subject.faults.len();
+            first = of.end;
+            let fates = self.fates.range(of.clone()).map(|(number, fate)| {
+                let text: &'s str = &subject.faults[number - of.start].text;
+                (text, fate)
+            });
+            (subject, fates.collect())
+        })
+    }
+
+    pub fn verdict(&self) -> Verdict {
+        let all = self.count();
+        let population: usize = self.subjects.iter().map(|subject| subject.faults.len()).sum();
+        let [low, high] = all.interval().map(|bound| 100.0 * bound);
+        let jobs: usize =
+            self.subjects.iter().map(|subject| subject.jobs.steps.iter().map(Vec::len).sum::<usize>()).sum();
+        let covered = format!(
+            "{} of the {population} faults in {} operations, {jobs} jobs: {} killed, {} proven equivalent, {} survivors; \
+             {} killed of those not proven equivalent, 95 % confidence interval {low:.2} % to {high:.2} %",
+            all.faults,
+            self.subjects.len(),
+            all.killed,
+            all.equivalent,
+            all.survivors(),
+            percent(all.score()),
+        );
+        let mut verdict = Verdict { covered, is_stopped: self.fates.len() < self.expected, ..Verdict::default() };
+        for (subject, fates) in self.by_subject() {
+            if let Some(refused) = &subject.refused {
+                verdict.failures.push(format!(
+                    "{}: without a fault refused by {}: {refused}",
+                    subject.name,
+                    subject.oracle()
+                ));
+            }
+            for (text, fate) in fates {
+                if let Fate::Survived { differs } = fate {
+                    let seen = if *differs { "within the oracle's bounds" } else { "no outcome differs" };
+                    let reason =
+                        reason(&subject.name, text).map_or(String::new(), |reason| format!("; known: {reason}"));
+                    verdict.remarks.push(format!("survivor: {}, {text}; {seen}{reason}", subject.name));
+                }
+            }
+        }
+        verdict.remarks.push(format!("each fault: {LIST}"));
+        if all.score() < MIN_SCORE {
+            let (score, least) = (percent(all.score()), percent(MIN_SCORE));
+            verdict.failures.push(format!("the oracles kill {score} of the faults, expected at least {least}"));
+        }
+        verdict
+    }
+
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let mut text = "# faults, killed, equivalent, survivors, operation (oracle)\n".to_string();
+        let mut list = "\n# fate, fault\n".to_string();
+        for (subject, fates) in self.by_subject() {
+            let count = count(fates.iter().map(|(_, fate)| *fate));
+            let Count { faults, killed, equivalent } = count;
+            let (name, oracle) = (&subject.name, subject.oracle());
+            let _ = writeln!(text, "{faults:5} {killed:5} {equivalent:5} {:5}  {name} ({oracle})", count.survivors());
+            for (fault, fate) in fates {
+                let _ = writeln!(list, "{:28} {name}, {fault}", format!("{fate:?}"));
+            }
+        }
+        files::write(path, &(text + &list))
+    }
+}
+
+fn count<'f>(fates: impl Iterator<Item = &'f Fate>) -> Count {
+    fates.fold(Count::default(), |count, fate| Count {
+        faults: count.faults + 1,
+        killed: count.killed + usize::from(*fate == Fate::Killed),
+        equivalent: count.equivalent + usize::from(*fate == Fate::Equivalent),
+    })
+}
+
+/// Survivors without a proof, and the reason why no oracle refuses them. They count as survivors.
+const EXPLANATIONS: &[(&str, &[&str], &str)] = &[];
+
+fn reason(subject: &str, fault: &str) -> Option<&'static str> {
+    let is_it = |(name, parts, _): &&(&str, &[&str], &str)| {
+        subject.starts_with(name) && parts.iter().all(|part| fault.contains(part))
+    };
+    EXPLANATIONS.iter().find(is_it).map(|(_, _, reason)| *reason)
+}
