@@ -64,6 +64,10 @@ fn every_kind_of_driver_has_its_faults() {
         ("less_o", "operands of Less exchanged"),
         ("any_o", "Any becomes All"),
         ("all_o", "All becomes Any"),
+        ("and_o", "a_i stuck at 1"),
+        ("sub_o", "reads"),
+        ("left_o", "shifts by one more"),
+        ("right_o", "shifts by one more"),
         ("left_o", "shifts right"),
         ("right_o", "shifts left"),
         ("mux_o", "s_i inverted"),
@@ -226,8 +230,8 @@ fn a_faulty_module_replaces_the_original_in_every_instance() {
 fn ports_of_instances_can_be_stuck() {
     let (outer, _) = hierarchy();
     let texts: Vec<String> = faults(&outer).iter().map(Fault::to_string).collect();
-    let expected = ["u_first", "u_other", "u_second"].map(|name| format!("outer, {name}.x_i: replaced by zero"));
-    assert_eq!(texts, expected);
+    let at = |name: &str| ["replaced by zero", "stuck at 1"].map(|how| format!("outer, {name}.x_i: {how}"));
+    assert_eq!(texts, ["u_first", "u_other", "u_second"].map(at).concat());
     for fault in faults(&outer) {
         let faulty = Arc::new(fault.apply(&outer).expect("a faulty module"));
         assert_ne!(behaviour(&faulty), behaviour(&outer), "{fault}");

@@ -73,6 +73,12 @@ impl<C: Circuit> Num<C> {
         (self.compare(other).greater() | other.is_nan()).select(self, other)
     }
 
+    /// This number if it is greater than `bound`, else `bound`: also if this one is NaN.
+    #[inline(always)]
+    pub fn at_least(self, bound: Self) -> Self {
+        self.compare(bound).greater().select(self, bound)
+    }
+
     /// The number rounded in one direction to a shorter significand.
     #[inline(always)]
     pub fn narrow(self, to: Narrowing) -> Self {

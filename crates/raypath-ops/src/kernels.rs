@@ -20,11 +20,11 @@ pub trait Kernels<C: Circuit>: Copy {
     /// The largest of three numbers and zero, ignoring NaNs. A zero result is +0. `name` labels intermediate values.
     #[inline(always)]
     fn largest_or_zero(self, c: C, name: Arguments<'_>, [x, y, z]: [Num<C>; 3]) -> Num<C> {
-        // Zero is the second operand, and `larger` returns the second of equal numbers: so a zero is +0.
-        let (xy, z0) = (x.larger(y), z.larger(c.zero()));
+        // Zero is the bound, which is returned if both are equal: so a zero is +0. No bound is NaN.
+        let (xy, z0) = (x.larger(y), z.at_least(c.zero()));
         c.label(format_args!("{name}_xy"), &xy);
         c.label(format_args!("{name}_z0"), &z0);
-        xy.larger(z0)
+        xy.at_least(z0)
     }
 
     /// The smallest of three numbers and `extent`, ignoring NaNs; NaN if all are NaN. The sign of a zero result is

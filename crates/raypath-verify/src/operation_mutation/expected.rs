@@ -2,6 +2,7 @@
 //! once: with any number of lanes and accumulators, all features of triangles, and all rules of boxes but `chisel`.
 
 use crate::oracle::{TriangleSteps, add, mul, sub};
+use raypath_ops::operations::quantised_box::QuantisedNode;
 use raypath_ops::{
     Aabb, Beat, Binary32, Culling, Edges, Num, Ray, RayTriangleExtended, RayTriangleExtendedInput,
     RayTriangleExtendedOutput, RayTriangleInput, Rounding, Rules, Triangle,
@@ -55,6 +56,36 @@ pub fn boxes<const N: usize>(ray: &Ray<Binary32>, aabb: &[Aabb<Binary32>; N], ho
             Boxes::Nearest | Boxes::Bits(_) => least,
         };
         let hit = greatest <= least;
+        (hit, if hit { greatest } else { f32::INFINITY }, index as u32)
+    });
+    entries.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    entries
+}
+
+/// The boxes of a quantised node in order, by the text of [`QuantisedBox`](raypath_ops::operations::quantised_box): a
+/// plane has the distance `(origin - ray.origin) · inv + offset · (scale · inv)`. Along an axis in which the direction is
+/// zero, a slab excludes only rays outside it, and its planes are those relative to the origin of the ray.
+pub fn quantised(ray: &Ray<Binary32>, node: &QuantisedNode<Binary32>) -> [Entry; 4] {
+    let [from, dir, inv]: [[f32; 3]; 3] = [ray.origin, ray.dir, ray.inv].map(Into::into);
+    let [origin, scale]: [[f32; 3]; 2] = [node.origin, node.scale].map(Into::into);
+    let mut entries: [Entry; 4] = std::array::from_fn(|index| {
+        let child = node.child[index];
+        let (mut greatest, mut least) = (0.0_f32, f32::from(ray.extent));
+        for (axis, slab) in [child.x, child.y, child.z].into_iter().enumerate() {
+            let is_parallel = dir[axis] == 0.0;
+            let times = |number: f32| if is_parallel { number } else { mul(number, inv[axis]) };
+            let (base, step) = (times(sub(origin[axis], from[axis])), times(scale[axis]));
+            let [min, max] = [slab.min, slab.max].map(|offset| add(mul(u32::from(offset) as f32, step), base));
+            let is_beside = is_parallel && (min > 0.0 || max < 0.0);
+            if is_beside {
+                (greatest, least) = if min > 0.0 { (f32::INFINITY, least) } else { (greatest, f32::NEG_INFINITY) };
+            } else if !is_parallel {
+                let (near, far) = if inv[axis].is_sign_negative() { (max, min) } else { (min, max) };
+                greatest = if near > greatest { near } else { greatest };
+                least = if far < least || least.is_nan() { far } else { least };
+            }
+        }
+        let hit = bool::from(node.used.0[index]) && greatest <= least;
         (hit, if hit { greatest } else { f32::INFINITY }, index as u32)
     });
     entries.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));

@@ -4,7 +4,7 @@
 use super::evaluate::behind;
 use super::graph::{Graph, Id, Kind, Node, Op};
 use crate::Error;
-use raypath_ops::{Relation, Test};
+use raypath_ops::{Direction, Relation, Test};
 use raypath_tools::{ToolError, Z3, temporary_folder};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -16,8 +16,8 @@ pub struct Solver {
     z3: Z3,
 }
 
-/// The longest time for a question.
-const LIMIT: Duration = Duration::from_secs(20);
+/// The longest time for a question, and for all questions of one run of Z3.
+const LIMITS: [Duration; 2] = [Duration::from_secs(10), Duration::from_secs(600)];
 
 impl Solver {
     /// Finds Python's module `z3`.
@@ -28,23 +28,25 @@ impl Solver {
         Ok(Self { z3: Z3::find()? })
     }
 
-    /// Whether no job can show a fault: the answer `unsat`. Anything else is no proof.
+    /// For each question, whether its answer is `unsat`: no job can show the fault. Anything else is no proof. None if
+    /// `stop` is set meanwhile.
     ///
     /// # Errors
-    /// Z3 refuses the question.
-    pub fn proves_equal(&self, graph: &Graph, faulty: &Graph, stop: &AtomicBool) -> Result<bool, Error> {
+    /// Z3 refuses a question.
+    pub fn prove(&self, questions: Vec<String>, stop: &AtomicBool) -> Result<Option<Vec<bool>>, Error> {
         let folder = temporary_folder()?;
-        match self.z3.run(folder.path(), &[question(graph, faulty)], LIMIT, stop) {
-            Ok(answer) => Ok(answer.is_some_and(|answer| answer.trim() == "unsat")),
-            Err(ToolError::Stopped) => Ok(false),
-            Err(other) => Err(other.into()),
-        }
+        let answers = match self.z3.run(folder.path(), &questions, LIMITS[1], stop) {
+            Ok(answers) => answers.unwrap_or_default(),
+            Err(ToolError::Stopped) => return Ok(None),
+            Err(other) => return Err(other.into()),
+        };
+        let mut answers = answers.lines().map(|answer| answer.trim() == "unsat");
+        Ok(Some(questions.iter().map(|_| answers.next().unwrap_or(false)).collect()))
     }
 }
 
 /// Functions of numbers, and their laws. A product has the sign of its operands' signs; the functions are of magnitudes.
-const PREAMBLE: &str = "(set-logic ALL)
-(define-sort Number () (_ FloatingPoint 8 24))
+const PREAMBLE: &str = "(define-sort Number () (_ FloatingPoint 8 24))
 (declare-fun sum_of (Number Number) Number)
 (declare-fun product_of (Number Number) Number)
 (define-fun product ((a Number) (b Number)) Number
@@ -63,6 +65,11 @@ const PREAMBLE: &str = "(set-logic ALL)
   (=> (and (fp.isZero a) (not (fp.isZero b))) (= r b))
   (= (fp.isZero n) (fp.isZero r))
   (=> (not (fp.isZero r)) (= n (fp.neg r))))))
+(define-fun narrow_laws ((a Number) (r Number)) Bool (and
+  (= (fp.isNaN r) (fp.isNaN a))
+  (= (fp.isNegative r) (fp.isNegative a))
+  (=> (fp.isZero a) (fp.isZero r))
+  (=> (fp.isInfinite a) (= r a))))
 (define-fun product_laws ((a Number) (b Number)) Bool (let ((x (fp.abs a)) (y (fp.abs b)))
   (let ((m (product_of x y))) (and
   (= m (product_of y x))
@@ -72,33 +79,115 @@ const PREAMBLE: &str = "(set-logic ALL)
   (=> (and (not (fp.isNaN m)) (or (fp.isInfinite a) (fp.isInfinite b))) (fp.isInfinite m))))))
 ";
 
-/// The script: `unsat` if the fault changes no output and no next state.
-pub fn question(graph: &Graph, faulty: &Graph) -> String {
-    let mut script = Script { text: PREAMBLE.to_string(), declared: BTreeSet::new(), graph };
-    let (live, is_behind) = (graph.live(), behind(graph, faulty));
-    let needed = faulty.live();
-    for (id, node) in graph.nodes.iter().enumerate().filter(|(id, _)| live[*id] || needed[*id]) {
-        script.node(id, node, 'n', &|_| 'n');
+/// Where two dataflows are compared, and what is known there. A proof with less is a proof, and is found sooner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    /// At the last value that all effects of the fault pass. Sums, products and roundings that the fault does not affect
+    /// may be any.
+    Cut,
+    /// At the outputs and next states, with the same freedom.
+    Outputs,
+    /// At the outputs and next states, with the laws of all sums, products and roundings.
+    Laws,
+}
+
+impl Scope {
+    /// In the order in which they are tried.
+    pub const ALL: [Self; 3] = [Self::Cut, Self::Outputs, Self::Laws];
+}
+
+/// The script: `unsat` if the fault changes no output and no next state. `assumptions` hold for every job; in them,
+/// `{name}` is the value at a port in. None if the effects of the fault pass no single value.
+pub fn question(graph: &Graph, faulty: &Graph, assumptions: &[String], scope: Scope) -> Option<String> {
+    let is_behind = behind(graph, faulty);
+    // A state is what it was before the job.
+    let is_other = |id: Id| is_behind[id] && !matches!(faulty.nodes[id].op, Op::State(_));
+    let pairs: Vec<(Id, Id)> = match scope {
+        Scope::Cut => cut(graph, faulty, &is_behind).map(|id| vec![(id, id)])?,
+        Scope::Outputs | Scope::Laws => {
+            let nodes = |graph: &Graph| -> Vec<Id> {
+                let states = graph.states.iter().map(|state| state.1);
+                graph.outputs.iter().map(|leaf| leaf.node).chain(states).collect()
+            };
+            nodes(graph).into_iter().zip(nodes(faulty)).collect()
+        }
+    };
+    let is_free = |id: Id| {
+        let op = graph.nodes[id].op;
+        let computes = matches!(op, Op::Add | Op::Sum | Op::Subtract | Op::Multiply | Op::Narrow(_));
+        scope != Scope::Laws && computes && !is_behind[id]
+    };
+    // The values that are needed without and with the fault.
+    let (mut right, mut wrong) = (vec![false; graph.nodes.len()], vec![false; graph.nodes.len()]);
+    for &(a, b) in &pairs {
+        right[a] = true;
+        *(if is_other(b) { &mut wrong } else { &mut right }).get_mut(b)? = true;
     }
-    for (id, node) in faulty.nodes.iter().enumerate() {
-        // A state is what it was before the job.
-        if is_behind[id] && !matches!(node.op, Op::State(_)) {
-            let is_state = |operand: Id| matches!(faulty.nodes[operand].op, Op::State(_));
-            script.node(id, node, 'f', &|operand| if is_behind[operand] && !is_state(operand) { 'f' } else { 'n' });
+    for id in (0..graph.nodes.len()).rev() {
+        if wrong[id] {
+            for &operand in &faulty.nodes[id].operands {
+                *(if is_other(operand) { &mut wrong } else { &mut right }).get_mut(operand)? = true;
+            }
+        }
+        if right[id] && !is_free(id) {
+            graph.nodes[id].operands.iter().for_each(|&operand| right[operand] = true);
         }
     }
-    let value = |id: Id| {
-        let is_state = matches!(faulty.nodes[id].op, Op::State(_));
-        format!("{}{id}", if is_behind[id] && !is_state { 'f' } else { 'n' })
-    };
-    let outputs = graph.outputs.iter().map(|leaf| leaf.node).zip(faulty.outputs.iter().map(|leaf| leaf.node));
-    let states = graph.states.iter().map(|state| state.1).zip(faulty.states.iter().map(|state| state.1));
+    let text = format!("(set-option :timeout {})\n(set-logic ALL)\n{PREAMBLE}", LIMITS[0].as_millis());
+    let mut script = Script { text, declared: BTreeSet::new(), graph };
+    for (id, node) in graph.nodes.iter().enumerate() {
+        let is_input = matches!(node.op, Op::Input(..) | Op::State(_));
+        if is_free(id) && right[id] {
+            let _ = writeln!(script.text, "(declare-fun n{id} () Number)");
+        } else if right[id] || is_input {
+            script.node(id, node, 'n', &|_| 'n');
+        }
+    }
+    for (id, node) in faulty.nodes.iter().enumerate().filter(|(id, _)| wrong[*id]) {
+        script.node(id, node, 'f', &|operand| if is_other(operand) { 'f' } else { 'n' });
+    }
     let mut differs = String::new();
-    for (right, wrong) in outputs.chain(states) {
-        let _ = write!(differs, " (distinct n{right} {})", value(wrong));
+    for (a, b) in pairs.into_iter().filter(|(a, b)| a != b || is_other(*b)) {
+        let _ = write!(differs, " (distinct n{a} {}{b})", if is_other(b) { 'f' } else { 'n' });
+    }
+    for assumption in assumptions {
+        let mut condition = assumption.clone();
+        for (id, node) in graph.nodes.iter().enumerate() {
+            if let Op::Input(port, ..) = node.op {
+                condition = condition.replace(&format!("{{{}}}", graph.inputs[port].name), &format!("n{id}"));
+            }
+        }
+        let _ = writeln!(script.text, "(assert {condition})");
     }
     let _ = writeln!(script.text, "(assert (or false{differs}))\n(check-sat)");
-    script.text
+    Some(script.text)
+}
+
+/// The last value that all effects of a fault pass, if it is not the changed one. No order, because it has no value.
+fn cut(graph: &Graph, faulty: &Graph, is_behind: &[bool]) -> Option<Id> {
+    let ends = |graph: &Graph| -> Vec<Id> {
+        let states = graph.states.iter().map(|state| state.1);
+        graph.outputs.iter().map(|leaf| leaf.node).chain(states).collect()
+    };
+    if ends(graph) != ends(faulty) {
+        return None;
+    }
+    // The last reader of each value.
+    let mut last: Vec<Id> = (0..faulty.nodes.len()).collect();
+    for (id, node) in faulty.nodes.iter().enumerate().filter(|(id, _)| is_behind[*id]) {
+        node.operands.iter().for_each(|&operand| last[operand] = id);
+    }
+    ends(faulty).into_iter().for_each(|id| last[id] = usize::MAX);
+    let first = is_behind.iter().position(|is_behind| *is_behind)?;
+    let mut found = None;
+    for id in (0..faulty.nodes.len()).filter(|&id| is_behind[id]) {
+        let passes = |before: &Id| is_behind[*before] && last[*before] > id;
+        if (first..id).all(|before| !passes(&before)) && faulty.nodes[id].op.kind() != Kind::Order && id != first {
+            found = Some(id);
+        }
+    }
+    let is_changed = |id: Id| faulty.nodes[id] != graph.nodes[id];
+    found.filter(|&id| !(id + 1..faulty.nodes.len()).any(is_changed))
 }
 
 struct Script<'g> {
@@ -135,13 +224,23 @@ impl Script<'_> {
                 let numbers = " Number".repeat(node.operands.len());
                 self.declare(&function, &format!("(declare-fun {function} ({numbers}) Number)"));
                 let terms: Vec<String> = node.operands.iter().map(|&id| name(id)).collect();
-                Some(format!("({function} {})", terms.join(" ")))
+                let sum = format!("({function} {})", terms.join(" "));
+                self.sum_once(&sum, &terms);
+                Some(sum)
             }
             Op::Negate => Some(format!("(fp.neg {})", operand(0))),
             Op::Narrow(to) => {
                 let function = format!("narrow_{}_{:?}_{}", to.bits, to.direction, to.margin);
                 self.declare(&function, &format!("(declare-fun {function} (Number) Number)"));
-                Some(format!("({function} {})", operand(0)))
+                let (a, narrow) = (operand(0), format!("({function} {})", operand(0)));
+                let relation = if to.direction == Direction::TowardZero { "fp.leq" } else { "fp.geq" };
+                let _ = writeln!(self.text, "(assert (narrow_laws {a} {narrow}))");
+                // A number below twice the least normal one becomes zero, whatever the direction.
+                let _ = writeln!(
+                    self.text,
+                    "(assert (or (fp.isNaN {a}) (fp.isZero {narrow}) ({relation} (fp.abs {narrow}) (fp.abs {a}))))"
+                );
+                Some(narrow)
             }
             // Relations read the operands.
             Op::Compare => {
@@ -200,6 +299,28 @@ impl Script<'_> {
     fn sum(&mut self, a: &str, b: &str) -> String {
         let _ = writeln!(self.text, "(assert (sum_laws {a} {b}))");
         format!("(sum_of {a} {b})")
+    }
+
+    /// The laws of a sum that rounds once.
+    fn sum_once(&mut self, sum: &str, terms: &[String]) {
+        let all = |condition: &str| -> String { terms.iter().map(|term| format!(" ({condition} {term})")).collect() };
+        let bounds =
+            |relation: &str| -> String { terms.iter().map(|term| format!(" ({relation} {sum} {term})")).collect() };
+        let signed = |sign: &str| -> String {
+            terms.iter().map(|term| format!(" (and (fp.isInfinite {term}) ({sign} {term}))")).collect()
+        };
+        let _ = writeln!(
+            self.text,
+            "(assert (= (fp.isNaN {sum}) (or{} (and (or{}) (or{})))))\n\
+             (assert (=> (and{}) (and{})))\n(assert (=> (and{}) (and{})))",
+            all("fp.isNaN"),
+            signed("fp.isPositive"),
+            signed("fp.isNegative"),
+            all("is_at_least_zero"),
+            bounds("fp.geq"),
+            all("is_at_most_zero"),
+            bounds("fp.leq"),
+        );
     }
 
     fn declare(&mut self, function: &str, declaration: &str) {

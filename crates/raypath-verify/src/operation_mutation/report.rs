@@ -1,6 +1,7 @@
 //! The fates of the faults in operations.
 
 use super::LIST;
+use super::staging::StagingFate;
 use super::subjects::Subject;
 use crate::mutation::{Count, MIN_SCORE, percent};
 use crate::{Error, Verdict, files};
@@ -24,12 +25,14 @@ pub struct Report<'s> {
     subjects: &'s [Subject],
     /// The faults of all subjects, of which those of this shard have a fate.
     fates: BTreeMap<usize, Fate>,
-    expected: usize,
+    is_stopped: bool,
+    /// The faults of staging.
+    pub staging: Vec<(String, StagingFate)>,
 }
 
 impl<'s> Report<'s> {
-    pub fn new(subjects: &'s [Subject], fates: BTreeMap<usize, Fate>, expected: usize) -> Self {
-        Self { subjects, fates, expected }
+    pub fn new(subjects: &'s [Subject], fates: BTreeMap<usize, Fate>, is_stopped: bool) -> Self {
+        Self { subjects, fates, is_stopped, staging: Vec::new() }
     }
 
     pub fn count(&self) -> Count {
@@ -66,7 +69,15 @@ impl<'s> Report<'s> {
             all.survivors(),
             percent(all.score()),
         );
-        let mut verdict = Verdict { covered, is_stopped: self.fates.len() < self.expected, ..Verdict::default() };
+        let of = |fate: StagingFate| self.staging.iter().filter(|(_, found)| *found == fate).count();
+        let covered = format!(
+            "{covered}; of {} faults of staging, {} refused, {} with other units, {} harmless",
+            self.staging.len(),
+            of(StagingFate::Refused),
+            of(StagingFate::OtherUnits),
+            of(StagingFate::Harmless),
+        );
+        let mut verdict = Verdict { covered, is_stopped: self.is_stopped, ..Verdict::default() };
         for (subject, fates) in self.by_subject() {
             if let Some(refused) = &subject.refused {
                 verdict.failures.push(format!(
@@ -82,6 +93,13 @@ impl<'s> Report<'s> {
                         reason(&subject.name, text).map_or(String::new(), |reason| format!("; known: {reason}"));
                     verdict.remarks.push(format!("survivor: {}, {text}; {seen}{reason}", subject.name));
                 }
+            }
+        }
+        for (text, fate) in &self.staging {
+            if let StagingFate::Wrong(difference) = fate {
+                verdict
+                    .failures
+                    .push(format!("the netlist differs from the model with a fault of staging, {text}: {difference}"));
             }
         }
         verdict.remarks.push(format!("each fault: {LIST}"));
@@ -103,6 +121,9 @@ impl<'s> Report<'s> {
             for (fault, fate) in fates {
                 let _ = writeln!(list, "{:28} {name}, {fault}", format!("{fate:?}"));
             }
+        }
+        for (fault, fate) in &self.staging {
+            let _ = writeln!(list, "{:28} {fault}", format!("{fate:?}"));
         }
         files::write(path, &(text + &list))
     }

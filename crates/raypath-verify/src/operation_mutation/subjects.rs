@@ -1,26 +1,28 @@
 //! The operations that get faults, with jobs and oracles.
 
 use super::evaluate::{Jobs, Values};
-use super::expected::{self, Boxes};
+use super::expected::{self, Boxes, Entry};
 use super::faults::{Fault, faults};
 use super::graph::Graph;
 use crate::layout::Layout;
 use crate::record::root;
 use crate::stimuli::{Stimuli, splitmix64};
 use crate::{Error, Level};
-use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 use raypath_model::Words;
 use raypath_ops::operations::{key_compare, octbox, point_in_box, quantised_box, sphere};
 use raypath_ops::{
     Angular, AngularMany, AngularOutput, Binary32, Bundle, Culling, Euclidean, EuclideanMany, EuclideanOutput, Flags,
-    JobKind, Operation, RayBox, RayBoxConservative, RayBoxOutput, RayTriangle, RayTriangleExtended,
-    RayTriangleExtendedInput, RayTriangleOutput, Rounding, Rules, Word, from_words, to_canonical_words,
+    JobKind, Operation, PortKind, RayBox, RayBoxConservative, RayBoxInput, RayBoxOutput, RayTriangle,
+    RayTriangleExtended, RayTriangleExtendedInput, RayTriangleOutput, Rounding, Rules, Word, from_words,
+    to_canonical_words,
 };
 use raypath_oracle::{AnyOperationSpec, added_operation};
 use raypath_rtl::{Accumulators, Config, Lanes};
 use raypath_sim::Datapath;
 use raypath_sim::jobs::random;
+use raypath_sim::numbers::edges;
 use raypath_sim::transactions::read;
 
 /// An operation, the jobs that its faults run, and the judge of their outcomes.
@@ -32,6 +34,8 @@ pub struct Subject {
     /// The values without a fault.
     pub values: Values,
     pub judge: Judge,
+    /// What holds for every job, in SMT-LIB: a precondition of the operation.
+    pub assumptions: Vec<String>,
     /// Why the oracle refuses a job without a fault. It must not.
     pub refused: Option<String>,
 }
@@ -139,9 +143,14 @@ pub fn all(level: Level, count: usize, seed: u64) -> Result<Vec<Subject>, Error>
         }
     }));
 
-    subjects.push(maker.added(&key_compare::KeyCompare));
+    // The separators are in ascending order, NaNs last.
+    let sorted = (1..key_compare::SEPARATORS).map(|next| {
+        let [a, b] = [next - 1, next].map(|number| format!("{{separator_{number}}}"));
+        format!("(or (fp.isNaN {b}) (fp.leq {a} {b}))")
+    });
+    subjects.push(Subject { assumptions: sorted.collect(), ..maker.added(&key_compare::KeyCompare) });
     subjects.push(maker.added(&point_in_box::PointInBox));
-    subjects.push(maker.added(&quantised_box::QuantisedBox));
+    subjects.push(maker.quantised());
     subjects.push(maker.added(&sphere::Sphere));
     subjects.push(maker.octbox());
     Ok(subjects)
@@ -155,8 +164,11 @@ fn extended(job: &raypath_ops::RayTriangleInput<Binary32>) -> RayTriangleExtende
     RayTriangleExtendedInput { ray: job.ray, triangle: job.triangle, t_min: 0.0.into() }
 }
 
-fn in_order(job: &raypath_ops::RayBoxInput<Binary32>, how: Boxes) -> RayBoxOutput<Binary32> {
-    let entries = expected::boxes(&job.ray, &job.aabb, how);
+fn in_order(job: &RayBoxInput<Binary32>, how: Boxes) -> RayBoxOutput<Binary32> {
+    four(expected::boxes(&job.ray, &job.aabb, how))
+}
+
+fn four(entries: [Entry; 4]) -> RayBoxOutput<Binary32> {
     RayBoxOutput {
         is_intersect: Flags::new(entries.map(|entry| entry.0)),
         tmin: entries.map(|entry| entry.1.into()),
@@ -302,13 +314,34 @@ impl Maker {
                 refused = refused.or(judged.unwrap_or_else(|| Err("no oracle".to_string())).err());
             }
         }
-        let faults = faults(&graph);
-        Subject { name: O::NAME.to_string(), faults, jobs, values, judge: Judge::Within(spec), refused, graph }
+        let (name, faults, judge) = (O::NAME.to_string(), faults(&graph), Judge::Within(spec));
+        Subject { name, graph, faults, jobs, values, judge, assumptions: vec![], refused }
     }
 
-    /// Eight boxes, with jobs of their specification. The oracle of four boxes judges them bit for bit.
+    /// Four quantised boxes.
+    fn quantised(&self) -> Subject {
+        let (_, jobs) = self.specified(quantised_box::QuantisedBox::NAME);
+        let expect = || -> Expect {
+            Box::new(|job| {
+                let job: quantised_box::QuantisedBoxInput<Binary32> = from_words(Binary32, job);
+                words_of(&four(expected::quantised(&job.ray, &job.node)))
+            })
+        };
+        exact(quantised_box::QuantisedBox::NAME, &quantised_box::QuantisedBox, jobs, TEXT, expect)
+    }
+
+    /// Eight boxes. Half of the jobs are those of two jobs of four boxes, some of which are hit at infinity.
     fn octbox(&self) -> Subject {
-        let (_, jobs) = self.specified(octbox::Octbox::NAME);
+        let (_, mut jobs) = self.specified(octbox::Octbox::NAME);
+        let fours = self.jobs(Config::DEFAULT, JobKind::Quadbox);
+        for (step, fours) in jobs.steps.iter_mut().zip(fours.steps).skip(1).step_by(2) {
+            for place in 0..step.len() {
+                let four = |job: &Vec<u64>| -> RayBoxInput<Binary32> { from_words(Binary32, job) };
+                let [one, other] = [&fours[place], &fours[(place + 1) % fours.len()]].map(four);
+                let aabb = std::array::from_fn(|i| if i < 4 { one.aabb[i] } else { other.aabb[i - 4] });
+                step[place] = words_of(&octbox::OctboxInput { ray: one.ray, aabb });
+            }
+        }
         let expect = || -> Expect {
             Box::new(|job| {
                 let job: octbox::OctboxInput<Binary32> = from_words(Binary32, job);
@@ -328,10 +361,19 @@ impl Maker {
         let datapath = Datapath::paper(Config::DEFAULT).with_any(spec.operation());
         let model = datapath.model();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let is_number: Vec<bool> = spec.operation().inputs().iter().map(|port| port.kind == PortKind::Number).collect();
         let mut job = || -> Option<Vec<u64>> {
             let kind = model.kind(name)?;
             let job: Words = spec.job(&model, kind, &mut rng);
-            Some(model.all_inputs(&job))
+            let mut words = model.all_inputs(&job);
+            // A number of some jobs is replaced by a special one. (Separators must stay sorted.)
+            if name != key_compare::KeyCompare::NAME && rng.random_bool(0.4) {
+                let numbers: Vec<usize> = (0..words.len()).filter(|&port| is_number[port]).collect();
+                let edges = edges(model.format());
+                let other = [edges[rng.random_range(0..edges.len())], model.format().nan()][rng.random_range(0..2)];
+                words[numbers[rng.random_range(0..numbers.len())]] = other;
+            }
+            Some(words)
         };
         let steps = self.count.div_ceil(STREAMS);
         let jobs = Jobs { steps: (0..steps).map(|_| (0..STREAMS).filter_map(|_| job()).collect()).collect() };
@@ -370,6 +412,6 @@ fn exact<O: Operation>(
             }
         }
     }
-    let faults = faults(&graph);
-    Subject { name: name.to_string(), faults, jobs, values, judge: Judge::Exact(oracle), refused, graph }
+    let (faults, judge, assumptions) = (faults(&graph), Judge::Exact(oracle), vec![]);
+    Subject { name: name.to_string(), graph, faults, jobs, values, judge, assumptions, refused }
 }
