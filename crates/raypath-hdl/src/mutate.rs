@@ -73,11 +73,11 @@ pub(crate) enum Change {
 /// `All` and names inverted, `Less` with its operands exchanged, `Any` for `All` and the reverse; multiplexers with an
 /// inverted select, or stuck at one side; arms of a `Case` exchanged with the next, left out, or taken by default;
 /// constants one more, one less, or with one bit flipped; slices one bit higher or lower; the other shift; neighbours
-/// of a `Concat` exchanged where they are as wide as each other; `Not` left out; a shift by one more; any operand replaced
-/// by zero, by ones, or by the nearest earlier signal of its width; registers that load always or never, or have another
-/// reset value or none; ports of instances at zero or ones, and exchanged with the next of their width; enables of memories
-/// stuck at 0 or 1, each bit of an address and each written column at zero, and addresses and neighbouring columns of
-/// equal widths exchanged.
+/// of a `Concat` exchanged where they are as wide as each other; `Not` left out; a shift by one more; any operand
+/// replaced by zero, by ones, or by the nearest earlier signal of its width; registers that load always or never, or
+/// have another reset value or none; ports of instances at zero or ones, and exchanged with the next of their width;
+/// enables of memories stuck at 0 or 1, each bit of an address and each written column at zero, and addresses and
+/// neighbouring columns of equal widths exchanged.
 pub fn faults(module: &Module) -> Vec<Fault> {
     list::faults(module)
 }

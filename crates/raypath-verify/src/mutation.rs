@@ -20,8 +20,8 @@ use std::path::Path;
 use std::sync::Arc;
 use trial::Trial;
 
-/// The configurations whose modules get faults: the default, and small ones with the modules that it lacks, so that each
-/// format, control, sharing, latency and encoding has its share.
+/// The configurations whose modules get faults: the default, and small ones with the modules that it lacks, so that
+/// each format, control, sharing, latency and encoding has its share.
 /// `tests/configurations.rs` runs as many jobs on them as mutation does.
 pub const CONFIGS: [Config; 10] = [
     Config::DEFAULT,

@@ -1,8 +1,8 @@
 //! Mutation of operations: whether oracles find a fault in an operation's own dataflow.
 //!
 //! Netlist and models follow from one function, so that they agree about a fault in it. Here each fault is put into the
-//! dataflow that the function describes, before anything follows from it, and must be refused by an oracle that does not
-//! come from the function: golden vectors, the text of the semantics, or exact arithmetic.
+//! dataflow that the function describes, before anything follows from it, and must be refused by an oracle that does
+//! not come from the function: golden vectors, the text of the semantics, or exact arithmetic.
 
 mod evaluate;
 mod expected;

@@ -75,8 +75,8 @@ fn source(module: &Module, mut signal: SignalId) -> SignalId {
     signal
 }
 
-/// Checks that the registers of a step load together: every data register (without reset) has a counterpart among the opcode's registers, loads when that one
-/// loads, and takes the counterpart of the value that that one takes.
+/// Checks that the registers of a step load together: every data register (without reset) has a counterpart among the
+/// opcode's registers, loads when that one loads, and takes the counterpart of the value that that one takes.
 pub(crate) fn together(module: &Module) -> Vec<String> {
     let name = |register: &RegisterInfo| module.signal(register.signal).name.clone().unwrap_or_default();
     let data: Vec<(&RegisterInfo, String)> = module

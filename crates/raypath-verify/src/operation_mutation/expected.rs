@@ -63,8 +63,8 @@ pub fn boxes<const N: usize>(ray: &Ray<Binary32>, aabb: &[Aabb<Binary32>; N], ho
 }
 
 /// The boxes of a quantised node in order, by the text of [`QuantisedBox`](raypath_ops::operations::quantised_box): a
-/// plane has the distance `(origin - ray.origin) · inv + offset · (scale · inv)`. Along an axis in which the direction is
-/// zero, a slab excludes only rays outside it, and its planes are those relative to the origin of the ray.
+/// plane has the distance `(origin - ray.origin) · inv + offset · (scale · inv)`. Along an axis in which the direction
+/// is zero, a slab excludes only rays outside it, and its planes are those relative to the origin of the ray.
 pub fn quantised(ray: &Ray<Binary32>, node: &QuantisedNode<Binary32>) -> [Entry; 4] {
     let [from, dir, inv]: [[f32; 3]; 3] = [ray.origin, ray.dir, ray.inv].map(Into::into);
     let [origin, scale]: [[f32; 3]; 2] = [node.origin, node.scale].map(Into::into);
@@ -111,7 +111,8 @@ fn narrowed(number: f32, bits: u32, moved: f32, round: fn(f64) -> f64) -> f32 {
     if !number.is_finite() {
         return number;
     }
-    // A power of two that divides all numbers of so many bits near this one. The exponent of binary64 has no limit here.
+    // A power of two that divides all numbers of so many bits near this one. The exponent of binary64 has no limit
+    // here.
     let exponent = (f64::from(moved).to_bits() >> 52) as i32 - 1023;
     let unit = 2.0_f64.powi(exponent + 1 - bits as i32);
     let rounded = if moved == 0.0 { 0.0 } else { round(f64::from(moved) / unit) * unit };

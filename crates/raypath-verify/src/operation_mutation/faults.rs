@@ -55,9 +55,10 @@ const TESTS: [Test; 7] =
 ///
 /// Sums become differences, products become sums, and an operand is left out; operands of differences and comparisons
 /// are exchanged; a relation becomes each other one, or the complement of each, which differs for NaN; a test becomes
-/// each other one, or its complement; a selection is inverted or stuck at one side; conjunctions and disjunctions become
-/// each other, or lose an operand; negations are left out; constants change; a rounding has another direction, margin or
-/// number of bits, or is left out; and an operand is replaced by the value of its type that was computed before it.
+/// each other one, or its complement; a selection is inverted or stuck at one side; conjunctions and disjunctions
+/// become each other, or lose an operand; negations are left out; constants change; a rounding has another direction,
+/// margin or number of bits, or is left out; and an operand is replaced by the value of its type that was computed
+/// before it.
 pub fn faults(graph: &Graph) -> Vec<Fault> {
     let live = graph.live();
     let mut list = List { graph, live: &live, faults: Vec::new() };

@@ -45,7 +45,8 @@ impl Solver {
     }
 }
 
-/// Functions of numbers, and their laws. A product has the sign of its operands' signs; the functions are of magnitudes.
+/// Functions of numbers, and their laws. A product has the sign of its operands' signs; the functions are of
+/// magnitudes.
 const PREAMBLE: &str = "(define-sort Number () (_ FloatingPoint 8 24))
 (declare-fun sum_of (Number Number) Number)
 (declare-fun product_of (Number Number) Number)
@@ -73,7 +74,8 @@ const PREAMBLE: &str = "(define-sort Number () (_ FloatingPoint 8 24))
 (define-fun product_laws ((a Number) (b Number)) Bool (let ((x (fp.abs a)) (y (fp.abs b)))
   (let ((m (product_of x y))) (and
   (= m (product_of y x))
-  (= (fp.isNaN m) (or (fp.isNaN a) (fp.isNaN b) (and (fp.isInfinite a) (fp.isZero b)) (and (fp.isZero a) (fp.isInfinite b))))
+  (= (fp.isNaN m) (or (fp.isNaN a) (fp.isNaN b) (and (fp.isInfinite a) (fp.isZero b))
+    (and (fp.isZero a) (fp.isInfinite b))))
   (=> (not (fp.isNaN m)) (fp.isPositive m))
   (=> (and (not (fp.isNaN m)) (or (fp.isZero a) (fp.isZero b))) (fp.isZero m))
   (=> (and (not (fp.isNaN m)) (or (fp.isInfinite a) (fp.isInfinite b))) (fp.isInfinite m))))))
@@ -82,8 +84,8 @@ const PREAMBLE: &str = "(define-sort Number () (_ FloatingPoint 8 24))
 /// Where two dataflows are compared, and what is known there. A proof with less is a proof, and is found sooner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
-    /// At the last value that all effects of the fault pass. Sums, products and roundings that the fault does not affect
-    /// may be any.
+    /// At the last value that all effects of the fault pass. Sums, products and roundings that the fault does not
+    /// affect may be any.
     Cut,
     /// At the outputs and next states, with the same freedom.
     Outputs,

@@ -60,8 +60,8 @@ impl<'s> Report<'s> {
         let jobs: usize =
             self.subjects.iter().map(|subject| subject.jobs.steps.iter().map(Vec::len).sum::<usize>()).sum();
         let covered = format!(
-            "{} of the {population} faults in {} operations, {jobs} jobs: {} killed, {} proven equivalent, {} survivors; \
-             {} killed of those not proven equivalent, 95 % confidence interval {low:.2} % to {high:.2} %",
+            "{} of the {population} faults in {} operations, {jobs} jobs: {} killed, {} proven equivalent, {} \
+             survivors; {} killed of those not proven equivalent, 95 % confidence interval {low:.2} % to {high:.2} %",
             all.faults,
             self.subjects.len(),
             all.killed,

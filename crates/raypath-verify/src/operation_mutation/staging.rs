@@ -1,8 +1,8 @@
 //! Faults of staging: an operation marks the beginning of a stage too early, too late, with another number, or not.
 //!
 //! A mark decides when a value is computed and not what it is, so that no outcome can show it. The elaborator must
-//! refuse the mark, or the datapath must have other units in a stage, which the tests of the tables show, or the mark is
-//! harmless: the netlist still agrees with the model.
+//! refuse the mark, or the datapath must have other units in a stage, which the tests of the tables show, or the mark
+//! is harmless: the netlist still agrees with the model.
 
 use super::graph::{Graph, Mark};
 use super::replay::Replayed;
