@@ -2,7 +2,7 @@
 //! hierarchy.
 
 use raypath_hdl::mutate::{Fault, faults, replace};
-use raypath_hdl::{Builder, Driver, Error, Label, Module, Simulator, verilog};
+use raypath_hdl::{Builder, Driver, Error, LANES, Label, LaneSimulator, Module, Simulator, verilog};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -185,6 +185,37 @@ fn every_fault_of_a_module_shows_in_its_text_and_in_what_it_does() {
         assert_ne!(shown, good.1, "{fault}");
     }
     assert!(faults.len() > 50, "{}", faults.len());
+}
+
+/// What a wrong translation by one simulator computes is what the netlist with a fault does: the comparison with the
+/// other simulator shows each.
+#[test]
+fn a_wrong_translation_shows_in_the_comparison_of_the_simulators() {
+    let module = everything();
+    let (right, compiled) = (in_lanes(&module), behaviour(&module).1);
+    assert_eq!(right, compiled);
+    for fault in faults(&module) {
+        let faulty = Arc::new(fault.apply(&module).expect("a faulty module"));
+        assert_ne!(in_lanes(&faulty), compiled, "{fault}");
+        assert_ne!(behaviour(&faulty).1, right, "{fault}");
+    }
+}
+
+/// The outputs of [`behaviour`], in one of the lanes of the simulator of many stimuli.
+fn in_lanes(module: &Arc<Module>) -> Vec<u64> {
+    let mut simulator = LaneSimulator::new(module).expect("a simulator");
+    let inputs: Vec<_> = module.inputs().iter().map(|port| simulator.input(&port.name).expect("an input")).collect();
+    let outputs: Vec<_> =
+        module.outputs().iter().map(|port| simulator.output(&port.name).expect("an output")).collect();
+    let mut shown = Vec::new();
+    for number in 0..1 << 9 {
+        for (&input, low) in inputs.iter().zip([0, 4, 8]) {
+            simulator.set(input, &[number >> low; LANES]);
+        }
+        simulator.cycle();
+        shown.extend(outputs.iter().map(|&output| simulator.get(output)[LANES / 2]));
+    }
+    shown
 }
 
 /// `outer` has two instances of `middle`, which has one of `inner`, and an instance of `other`.

@@ -17,14 +17,15 @@ mod subjects;
 mod tests;
 
 use crate::{Error, Request, Verdict};
-use question::{Scope, Solver};
+use question::{Known, Scope, Solver};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use raypath_tools::pool;
 use report::{Fate, Report};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use subjects::Subject;
 
 /// The file with the fate of each fault.
@@ -86,11 +87,24 @@ fn check_all<'s>(
         is_stopped = finished.is_stopped;
         let mut fates: BTreeMap<usize, Fate> = finished.workers.concat().into_iter().collect();
         let by_id: BTreeMap<usize, (&Subject, usize)> = chosen.iter().copied().collect();
+        let never = |subject: &&Subject, stop: &AtomicBool| {
+            let candidates = subject.values.never_nan(&subject.graph);
+            let lemmas = solver.lemmas(&subject.graph, candidates, stop)?;
+            Ok(Some((subject.name.clone(), lemmas)))
+        };
+        let of: Vec<&Subject> = subjects.iter().collect();
+        let lemmas = pool::map::<_, _, Error>(&of, pool::ALL_CORES, request.proceed, never)?;
+        let lemmas: BTreeMap<String, BTreeSet<graph::Id>> = lemmas.into_iter().flatten().collect();
         for scope in Scope::ALL {
             let question = |id: usize| {
                 let (subject, fault) = by_id[&id];
                 let faulty = subject.faults[fault].apply(&subject.graph);
-                Some((id, question::question(&subject.graph, &faulty, &subject.assumptions, scope)?))
+                let known = Known {
+                    graph: &subject.graph,
+                    assumptions: &subject.assumptions,
+                    lemmas: lemmas.get(&subject.name)?,
+                };
+                Some((id, question::question(known, &faulty, scope)?))
             };
             let unseen = fates.iter().filter(|(_, fate)| **fate == Fate::Survived { differs: false });
             let questions: Vec<(usize, String)> = unseen.filter_map(|(id, _)| question(*id)).collect();

@@ -3,6 +3,7 @@
 
 use super::graph::{Graph, Id, Kind, Node, Op};
 use raypath_ops::{Binary32, Circuit, Relation, Single};
+use std::collections::BTreeSet;
 
 /// A value of each job of a step: the bits of a number, a truth value, a word, or an order (0 to 3: less, equal,
 /// greater, unordered).
@@ -43,6 +44,18 @@ impl Values {
             steps.push(values);
         }
         Self { steps }
+    }
+
+    /// The computed numbers that are NaN in no job.
+    pub fn never_nan(&self, graph: &Graph) -> BTreeSet<Id> {
+        let live = graph.live();
+        let is_number = |&id: &Id| {
+            let op = graph.nodes[id].op;
+            let is_source = matches!(op, Op::Input(..) | Op::State(_)) || op.is_constant();
+            live[id] && op.kind() == Kind::Number && !is_source
+        };
+        let never = |id: &Id| self.steps.iter().flat_map(|step| &step[*id]).all(|&bits| !f32::from_bits(bits).is_nan());
+        (0..graph.nodes.len()).filter(is_number).filter(never).collect()
     }
 
     /// The words at the ports out of a job.

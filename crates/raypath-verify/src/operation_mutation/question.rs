@@ -17,7 +17,7 @@ pub struct Solver {
 }
 
 /// The longest time for a question, and for all questions of one run of Z3.
-const LIMITS: [Duration; 2] = [Duration::from_secs(10), Duration::from_secs(600)];
+const LIMITS: [Duration; 2] = [Duration::from_secs(5), Duration::from_secs(600)];
 
 impl Solver {
     /// Finds Python's module `z3`.
@@ -84,40 +84,109 @@ const PREAMBLE: &str = "(define-sort Number () (_ FloatingPoint 8 24))
 /// Where two dataflows are compared, and what is known there. A proof with less is a proof, and is found sooner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
-    /// At the last value that all effects of the fault pass. Sums, products and roundings that the fault does not
-    /// affect may be any.
+    /// At the last value that all effects of the fault pass, else at the outputs. Numbers that the fault does not affect
+    /// may be any but NaN, where a lemma says so.
+    Near,
+    /// At that value. Only sums, products and roundings that the fault does not affect may be any.
     Cut,
-    /// At the outputs and next states, with the same freedom.
-    Outputs,
     /// At the outputs and next states, with the laws of all sums, products and roundings.
     Laws,
 }
 
 impl Scope {
     /// In the order in which they are tried.
-    pub const ALL: [Self; 3] = [Self::Cut, Self::Outputs, Self::Laws];
+    pub const ALL: [Self; 3] = [Self::Near, Self::Cut, Self::Laws];
 }
 
-/// The script: `unsat` if the fault changes no output and no next state. `assumptions` hold for every job; in them,
-/// `{name}` is the value at a port in. None if the effects of the fault pass no single value.
-pub fn question(graph: &Graph, faulty: &Graph, assumptions: &[String], scope: Scope) -> Option<String> {
+/// A dataflow, and what is known of it.
+#[derive(Clone, Copy)]
+pub struct Known<'g> {
+    pub graph: &'g Graph,
+    /// What holds for every job, in SMT-LIB. `{name}` is the value at a port in.
+    pub assumptions: &'g [String],
+    /// Numbers that are never NaN, each proved from those before.
+    pub lemmas: &'g BTreeSet<Id>,
+}
+
+impl Solver {
+    /// The greatest set of numbers among these that are never NaN, each because those before are not.
+    ///
+    /// # Errors
+    /// Z3 refuses a question.
+    pub fn lemmas(
+        &self,
+        graph: &Graph,
+        mut candidates: BTreeSet<Id>,
+        stop: &AtomicBool,
+    ) -> Result<BTreeSet<Id>, Error> {
+        loop {
+            let questions: Vec<String> = candidates.iter().map(|&id| lemma(graph, &candidates, id)).collect();
+            // One script, because each question is small.
+            let all: String = questions.iter().map(|text| format!("(push)\n{text}(pop)\n")).collect();
+            let all = format!("(set-option :timeout {})\n{PREAMBLE}{all}", LIMITS[0].as_millis());
+            let folder = temporary_folder()?;
+            let answers = match self.z3.run(folder.path(), &[all], LIMITS[1], stop) {
+                Ok(answers) => answers.unwrap_or_default(),
+                Err(ToolError::Stopped) => return Ok(BTreeSet::new()),
+                Err(other) => return Err(other.into()),
+            };
+            let mut answers = answers.lines().map(|answer| answer.trim() == "unsat");
+            let proved: BTreeSet<Id> = candidates.iter().copied().filter(|_| answers.next().unwrap_or(false)).collect();
+            if proved == candidates {
+                return Ok(proved);
+            }
+            candidates = proved;
+        }
+    }
+}
+
+/// The question whether a number can be NaN if those before that have a lemma are not.
+fn lemma(graph: &Graph, lemmas: &BTreeSet<Id>, id: Id) -> String {
+    let mut script = Script { text: String::new(), declared: BTreeSet::new(), graph };
+    let mut needed = vec![false; id + 1];
+    needed[id] = true;
+    let is_free = |other: Id| other != id && is_free_number(graph, other);
+    for other in (0..=id).rev().filter(|&other| !is_free(other)) {
+        if needed[other] {
+            graph.nodes[other].operands.iter().for_each(|&operand| needed[operand] = true);
+        }
+    }
+    for other in (0..=id).filter(|&other| needed[other]) {
+        script.value(other, is_free(other), lemmas);
+    }
+    let _ = writeln!(script.text, "(assert (fp.isNaN n{id}))\n(check-sat)");
+    script.text
+}
+
+/// A number that is no constant.
+fn is_free_number(graph: &Graph, id: Id) -> bool {
+    let op = graph.nodes[id].op;
+    op.kind() == Kind::Number && !op.is_constant() && !matches!(op, Op::Input(..) | Op::State(_))
+}
+
+/// The script: `unsat` if the fault changes no output and no next state. None if the effects of the fault pass no single
+/// value.
+pub fn question(known: Known<'_>, faulty: &Graph, scope: Scope) -> Option<String> {
+    let Known { graph, assumptions, lemmas } = known;
     let is_behind = behind(graph, faulty);
     // A state is what it was before the job.
     let is_other = |id: Id| is_behind[id] && !matches!(faulty.nodes[id].op, Op::State(_));
+    let cut = cut(graph, faulty, &is_behind).map(|id| vec![(id, id)]);
+    let outputs = ends(graph).into_iter().zip(ends(faulty)).collect();
     let pairs: Vec<(Id, Id)> = match scope {
-        Scope::Cut => cut(graph, faulty, &is_behind).map(|id| vec![(id, id)])?,
-        Scope::Outputs | Scope::Laws => {
-            let nodes = |graph: &Graph| -> Vec<Id> {
-                let states = graph.states.iter().map(|state| state.1);
-                graph.outputs.iter().map(|leaf| leaf.node).chain(states).collect()
-            };
-            nodes(graph).into_iter().zip(nodes(faulty)).collect()
-        }
+        Scope::Near => cut.unwrap_or(outputs),
+        Scope::Cut => cut?,
+        Scope::Laws => outputs,
     };
     let is_free = |id: Id| {
         let op = graph.nodes[id].op;
         let computes = matches!(op, Op::Add | Op::Sum | Op::Subtract | Op::Multiply | Op::Narrow(_));
-        scope != Scope::Laws && computes && !is_behind[id]
+        !is_behind[id]
+            && match scope {
+                Scope::Near => is_free_number(graph, id),
+                Scope::Cut => computes,
+                Scope::Laws => false,
+            }
     };
     // The values that are needed without and with the fault.
     let (mut right, mut wrong) = (vec![false; graph.nodes.len()], vec![false; graph.nodes.len()]);
@@ -138,11 +207,8 @@ pub fn question(graph: &Graph, faulty: &Graph, assumptions: &[String], scope: Sc
     let text = format!("(set-option :timeout {})\n(set-logic ALL)\n{PREAMBLE}", LIMITS[0].as_millis());
     let mut script = Script { text, declared: BTreeSet::new(), graph };
     for (id, node) in graph.nodes.iter().enumerate() {
-        let is_input = matches!(node.op, Op::Input(..) | Op::State(_));
-        if is_free(id) && right[id] {
-            let _ = writeln!(script.text, "(declare-fun n{id} () Number)");
-        } else if right[id] || is_input {
-            script.node(id, node, 'n', &|_| 'n');
+        if right[id] || matches!(node.op, Op::Input(..) | Op::State(_)) {
+            script.value(id, is_free(id) && right[id], lemmas);
         }
     }
     for (id, node) in faulty.nodes.iter().enumerate().filter(|(id, _)| wrong[*id]) {
@@ -165,12 +231,14 @@ pub fn question(graph: &Graph, faulty: &Graph, assumptions: &[String], scope: Sc
     Some(script.text)
 }
 
+/// The values at the outputs, and the next ones of the state.
+fn ends(graph: &Graph) -> Vec<Id> {
+    let states = graph.states.iter().map(|state| state.1);
+    graph.outputs.iter().map(|leaf| leaf.node).chain(states).collect()
+}
+
 /// The last value that all effects of a fault pass, if it is not the changed one. No order, because it has no value.
 fn cut(graph: &Graph, faulty: &Graph, is_behind: &[bool]) -> Option<Id> {
-    let ends = |graph: &Graph| -> Vec<Id> {
-        let states = graph.states.iter().map(|state| state.1);
-        graph.outputs.iter().map(|leaf| leaf.node).chain(states).collect()
-    };
     if ends(graph) != ends(faulty) {
         return None;
     }
@@ -200,6 +268,17 @@ struct Script<'g> {
 }
 
 impl Script<'_> {
+    /// The value of a node without the fault, or any number; not NaN where a lemma says so.
+    fn value(&mut self, id: Id, is_free: bool, lemmas: &BTreeSet<Id>) {
+        if !is_free {
+            return self.node(id, &self.graph.nodes[id].clone(), 'n', &|_| 'n');
+        }
+        let _ = writeln!(self.text, "(declare-fun n{id} () Number)");
+        if lemmas.contains(&id) {
+            let _ = writeln!(self.text, "(assert (not (fp.isNaN n{id})))");
+        }
+    }
+
     /// Defines the value of a node. Names of operands begin with what `of` says.
     fn node(&mut self, id: Id, node: &Node, own: char, of: &dyn Fn(Id) -> char) {
         let kind = node.op.kind();

@@ -56,7 +56,7 @@ impl<O: Operation> Operation for Replayed<O> {
             if let (Value::Bit(bit), true) = (value, node.inverted) {
                 value = Value::Bit(c.not(bit));
             }
-            if !node.name.is_empty() {
+            if !node.name.is_empty() && !matches!(node.op, Op::Input(..) | Op::State(_)) {
                 name(c, &node.name, value);
             }
             values.push(value);

@@ -207,11 +207,15 @@ struct Maker {
     seed: u64,
 }
 
+/// Numbers with rules of their own.
+const SPECIAL: [f32; 7] = [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1.0, -1.0];
+
 /// Jobs of a step: as many as streams of beats.
 const STREAMS: usize = 64;
 
 impl Maker {
-    /// A subject with jobs of the campaigns and of the regression tests, half of each.
+    /// A subject with jobs of the campaigns and of the regression tests, half of each, some of them with more special
+    /// numbers.
     fn by_text<O: Operation, E: FnMut(&O::Input<Binary32>) -> O::Output<Binary32> + 'static>(
         &self,
         name: &str,
@@ -238,6 +242,8 @@ impl Maker {
         let Some(kind) = model.kind(paper.name()) else { return Jobs::default() };
         let mut stimuli = Stimuli::new(&layout, config, splitmix64(self.seed));
         let mut others = random(&model, config.semantics.format, self.seed, &[paper]);
+        let is_number: Vec<bool> = model.inputs(kind).iter().map(|port| port.kind == PortKind::Number).collect();
+        let rng = &mut ChaCha8Rng::seed_from_u64(self.seed);
         let mut words = Vec::new();
         let mut job = |number: usize| {
             let job = match others.next().filter(|_| number.is_multiple_of(2)) {
@@ -247,7 +253,15 @@ impl Maker {
                     model.job_of_words(kind, &words)
                 }
             };
-            model.all_inputs(&job)
+            // Some jobs get many special numbers: an inverse of zero matters only beside an infinite bound.
+            let mut words = job.as_words().to_vec();
+            let share = [0.0, 0.0, 0.0, 0.0, 0.1, 0.3][rng.random_range(0..6)];
+            for (word, _) in words.iter_mut().zip(&is_number).filter(|(_, is_number)| **is_number) {
+                if share > 0.0 && rng.random_bool(share) {
+                    *word = SPECIAL[rng.random_range(0..SPECIAL.len())].to_bits().into();
+                }
+            }
+            model.all_inputs(&model.job_of_words(kind, &words))
         };
         let steps = self.count.div_ceil(STREAMS);
         Jobs { steps: (0..steps).map(|step| (0..STREAMS).map(|stream| job(step + stream)).collect()).collect() }

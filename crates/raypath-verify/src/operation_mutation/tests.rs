@@ -2,7 +2,7 @@ use super::replay::Replayed;
 use super::staging::{StagingFate, check};
 use super::*;
 use crate::Level;
-use raypath_ops::{Operation, RayBox, Rules};
+use raypath_ops::{RayBox, Rules};
 use raypath_sim::Datapath;
 use raypath_sim::jobs::any_jobs;
 use raypath_sim::lockstep::lockstep;
@@ -40,15 +40,16 @@ fn without_jobs_nothing_is_killed() {
 fn faults_that_oracles_find_are_not_proven_equivalent() {
     let (solver, stop) = (Solver::find().expect("Z3"), AtomicBool::new(false));
     let mut questions = Vec::new();
-    for subject in all() {
-        let killed = (0..subject.faults.len()).step_by(97).filter(|&fault| subject.fate(fault) == Fate::Killed);
-        for fault in killed.take(2) {
-            let faulty = subject.faults[fault].apply(&subject.graph);
-            let ask = |scope| question::question(&subject.graph, &faulty, &subject.assumptions, scope);
-            questions.extend(Scope::ALL.iter().filter_map(|&scope| ask(scope)));
-        }
+    let small = ["triangle, paper", "angular, 8", "key_compare", "point_in_box", "sphere"];
+    for subject in all().iter().filter(|subject| small.iter().any(|name| subject.name.starts_with(name))) {
+        let mut killed = (0..subject.faults.len()).rev().filter(|&fault| subject.fate(fault) == Fate::Killed);
+        let faulty = subject.faults[killed.nth(20).expect("a fault")].apply(&subject.graph);
+        let lemmas = solver.lemmas(&subject.graph, subject.values.never_nan(&subject.graph), &stop).expect("lemmas");
+        let known = Known { graph: &subject.graph, assumptions: &subject.assumptions, lemmas: &lemmas };
+        let ask = |scope| question::question(known, &faulty, scope);
+        questions.extend(Scope::ALL.iter().filter_map(|&scope| ask(scope)));
     }
-    assert!(questions.len() > 60, "{}", questions.len());
+    assert!(questions.len() >= 12, "{}", questions.len());
     let proved = solver.prove(questions.clone(), &stop).expect("answers").expect("not stopped");
     let wrong = questions.iter().zip(proved).find(|(_, proved)| *proved);
     assert!(wrong.is_none(), "{wrong:?}");
@@ -76,11 +77,12 @@ fn a_replayed_operation_is_the_operation() {
     let operation = RayBox { rules: Rules::Paper };
     let graph = Arc::new(graph::Graph::of(&operation));
     let replayed = Datapath::new().with(Replayed { operation, graph }).elaborate().expect("a datapath");
-    let text = |datapath: &raypath_rtl::Datapath| raypath_hdl::verilog::text(datapath.top()).expect("a text");
     let right = Datapath::new().with(operation).elaborate().expect("a datapath");
-    assert_eq!(RayBox::NAME, "quadbox");
-    assert_eq!(replayed.top().register_bits(), right.top().register_bits());
-    assert_eq!(text(&replayed).lines().count(), text(&right).lines().count());
+    let shape = |datapath: &raypath_rtl::Datapath| {
+        let steps = 0..datapath.steps().count();
+        steps.map(|step| (datapath.units(step), datapath.registers(step))).collect::<Vec<_>>()
+    };
+    assert_eq!(shape(&replayed), shape(&right));
 }
 
 #[test]
