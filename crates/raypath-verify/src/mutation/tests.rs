@@ -158,14 +158,3 @@ fn not_proven(config: Config, faults: &[(&str, &str)]) {
         assert!(!is_equivalent_for_jobs(trial.subject, &trial.module, &trial.top), "{}", all[place]);
     }
 }
-
-#[test]
-#[ignore = "temporary"]
-fn survey() {
-    let mut watch = |_| true;
-    let mut request = Request::new(&mut watch);
-    request.level = Level::Full;
-    request.jobs = std::env::var("JOBS").ok().map(|jobs| jobs.parse().expect("a number"));
-    let verdict = run(&mut request).expect("a verdict");
-    println!("{}\n{:#?}\n{:?}", verdict.covered, verdict.remarks, verdict.failures);
-}
