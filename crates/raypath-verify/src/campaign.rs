@@ -139,6 +139,8 @@ impl Campaign<'_> {
         let layout = Layout::of(&self.model);
         let episode = Episode::new(&self.model, &layout, self.config, self.seed, failure.episode);
         let folder = folder.join(format!("failure-{}-{}", self.seed, failure.episode));
-        report(&mut self.netlist()?, &self.model, self.config, episode.trace(), failure, &folder)
+        let mut netlist = self.netlist()?;
+        netlist.restart_randomly(episode.initial);
+        report(&mut netlist, &self.model, self.config, episode.trace(), failure, &folder)
     }
 }
