@@ -26,7 +26,8 @@ def hostile(rng: random.Random, kind: str) -> Any:
     array: Any = np.frombuffer(rng.randbytes(4 * int(np.prod(shape))), code).reshape(shape).copy()
     change = rng.randrange(16)
     if change == 0:
-        return array.astype(rng.choice(["f8", ">f4", "f2", "i4", "u8", "c8", "?", "O", "S4"]))
+        with np.errstate(all="ignore"):
+            return array.astype(rng.choice(["f8", ">f4", "f2", "i4", "u8", "c8", "?", "O", "S4"]))
     if change == 1:
         return np.asfortranarray(array)
     if change == 2:
@@ -101,4 +102,5 @@ def test_arrays_are_refused_or_read_as_their_copies(datapath: raypath.Datapath, 
             assert found == outcome(call, datapath, copies)
     assert "ValueError" in outcomes
     assert "no message" not in outcomes
-    assert name == "quadbox_of_any_rays" or any(found.startswith("[") for found in outcomes)
+    # Random indices are those of no vertex, and random rays are rays of no datapath.
+    assert name in ("quadbox_of_any_rays", "trace") or any(found.startswith("[") for found in outcomes)
