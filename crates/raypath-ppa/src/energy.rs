@@ -235,5 +235,6 @@ impl<'g> Reader<'g> {
 
 /// A finite number.
 fn number(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|number: &f64| number.is_finite())
+    // Beyond any quantity of a cell, and small enough for sums and quotients to be finite.
+    text.parse().ok().filter(|number: &f64| *number == 0.0 || (1e-60..=1e60).contains(&number.abs()))
 }
