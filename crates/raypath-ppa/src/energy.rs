@@ -106,6 +106,10 @@ pub fn energies(output: &str, gates: &Gates) -> Result<Energies, Error> {
             );
         }
     }
+    let of_cell = |cell: &CellEnergy| [&cell.inputs[..], &cell.outputs, &cell.loads, &[cell.leakage]].concat();
+    if !(reader.cells.iter().flat_map(of_cell).all(f64::is_finite) && reader.volts.is_finite()) {
+        return Err(unexpected("an energy beyond all numbers".to_string(), "finite energies").into());
+    }
     Ok(Energies { cells: reader.cells, volts: reader.volts })
 }
 
@@ -235,6 +239,5 @@ impl<'g> Reader<'g> {
 
 /// A finite number.
 fn number(text: &str) -> Option<f64> {
-    // Beyond any quantity of a cell, and small enough for sums and quotients to be finite.
-    text.parse().ok().filter(|number: &f64| *number == 0.0 || (1e-60..=1e60).contains(&number.abs()))
+    text.parse().ok().filter(|number: &f64| number.is_finite())
 }
