@@ -1,4 +1,4 @@
-"""Builds the output of `raypath generate` and runs the tests: python3 run.py FOLDER. SIM=icarus selects Icarus Verilog."""
+"""Builds the output of `raypath generate` and runs the tests: python3 run.py FOLDER. SIM selects the simulator."""
 
 import os
 import pathlib
