@@ -14,6 +14,7 @@ use raypath_tools::{Options, Sources, VerilatedStream};
 
 struct Case {
     config: Config,
+    properties: String,
     shell: Shell,
     jobs: Vec<Words>,
     outcomes: Vec<Words>,
@@ -22,11 +23,12 @@ struct Case {
 /// Jobs of all operations in numbers of 33 bits at most, and their outcomes.
 fn case(config: Config, width: StreamWidth, count: usize) -> Case {
     let datapath = Datapath::paper(config);
-    let shell = Shell::new(datapath.elaborate().expect("a datapath").top(), width).expect("a shell");
+    let elaborated = datapath.elaborate().expect("a datapath");
+    let shell = Shell::new(elaborated.top(), width).expect("a shell");
     let jobs: Vec<Words> = jobs::any_jobs(datapath.model(), 5).take(count).collect();
     let mut model = datapath.model();
     let outcomes = jobs.iter().map(|job| model.run(job)).collect();
-    Case { config, shell, jobs, outcomes }
+    Case { config, properties: elaborated.properties().to_string(), shell, jobs, outcomes }
 }
 
 /// The smallest number format, whose datapath compiles fast.
@@ -93,7 +95,7 @@ fn the_simulated_shell_answers_as_the_model() {
 /// A wrong bit is reported with its port, and missing outcomes by their number.
 #[test]
 fn the_host_reports_what_differs() {
-    let Case { config, shell, jobs, outcomes } = case(small().lanes(Lanes::None), StreamWidth::Eight, 3);
+    let Case { config, shell, jobs, outcomes, .. } = case(small().lanes(Lanes::None), StreamWidth::Eight, 3);
     let host = Host::new(&shell, config);
     let mut bytes: Vec<u8> = outcomes.iter().flat_map(|outcome| host.outcome(outcome)).collect();
     let (frame, fields) = (shell.outcome.bytes(), &shell.outcome.fields);
@@ -105,16 +107,19 @@ fn the_host_reports_what_differs() {
     assert!(difference.starts_with(&format!("job 1: {} is ", fields[1].port)), "{difference}");
 }
 
-/// The same bytes as for a board go through pipes to the shell in Verilator, and the linters report nothing about it.
+/// The same bytes as for a board go through pipes to the shell in Verilator, with the assertions of the datapath bound,
+/// and the linters report nothing about it.
 #[test]
 fn verilator_answers_as_the_model() {
     let config = small().lanes(Lanes::None);
-    let Case { shell, jobs, outcomes, .. } = case(config, StreamWidth::Eight, 300);
+    let Case { properties, shell, jobs, outcomes, .. } = case(config, StreamWidth::Eight, 300);
     let folder = tempfile::tempdir().expect("a folder");
-    let sources = Sources::write(&shell.top, folder.path()).expect("files");
+    let mut sources = Sources::write(&shell.top, folder.path()).expect("files");
     sources.lint().unwrap_or_else(|fault| panic!("{fault}"));
-    let stream = VerilatedStream::build(&shell.top, folder.path(), &Options::default()).expect("Verilator");
+    sources.add(folder.path().join("raypath_properties.sv"), &properties).expect("the assertions");
+    let options = Options::default();
+    let stream = VerilatedStream::build(&sources.files, &shell.top, folder.path(), &options).expect("Verilator");
     let host = Host::new(&shell, config);
-    let found = stream.run(|to, from| host.compare(&jobs, &outcomes, to, from)).expect("the program runs");
+    let found = stream.run(1, |to, from| host.compare(&jobs, &outcomes, to, from)).expect("the program runs");
     assert_eq!(found, Comparison { received: 300, ..Comparison::default() });
 }

@@ -45,8 +45,9 @@ impl Default for Options {
 
 /// A module's SystemVerilog, compiled into a program.
 ///
-/// Registers without a reset begin with 0, and a reset ends before the first cycle. Where Verilog leaves a choice, it
-/// is that of [`raypath_hdl::Simulator`], so that both agree from the first cycle on for all stimuli.
+/// A reset ends before the first cycle. Registers without a reset and memories begin with 0 in [`run`](Self::run), and
+/// with random values in [`run_randomly`](Self::run_randomly). Where Verilog leaves a choice, it is that of
+/// [`raypath_hdl::Simulator`], so that both agree from the first cycle on for all stimuli if they begin with 0.
 #[derive(Debug)]
 pub struct Verilated {
     program: PathBuf,
@@ -91,7 +92,30 @@ impl Verilated {
         frames: impl IntoIterator<Item = Vec<u64>, IntoIter: Send>,
         on_outputs: impl FnMut(usize, &[u64]),
     ) -> Result<(), ToolError> {
-        let (process, input, output) = start(&self.program, &[])?;
+        self.run_from(&[ZEROS.to_string()], frames, on_outputs)
+    }
+
+    /// As [`run`](Self::run), but registers without a reset and memories begin with random values, which follow from
+    /// the seed: what hardware shows must not depend on them.
+    ///
+    /// # Errors
+    /// As for [`Self::run`].
+    pub fn run_randomly(
+        &self,
+        seed: u32,
+        frames: impl IntoIterator<Item = Vec<u64>, IntoIter: Send>,
+        on_outputs: impl FnMut(usize, &[u64]),
+    ) -> Result<(), ToolError> {
+        self.run_from(&[initial_state(seed)], frames, on_outputs)
+    }
+
+    fn run_from(
+        &self,
+        arguments: &[String],
+        frames: impl IntoIterator<Item = Vec<u64>, IntoIter: Send>,
+        on_outputs: impl FnMut(usize, &[u64]),
+    ) -> Result<(), ToolError> {
+        let (process, input, output) = start(&self.program, arguments)?;
         let frames = frames.into_iter();
         // A thread writes while this one reads, so that neither side waits for the other with a full pipe.
         let (sent, received, status) = std::thread::scope(|scope| {
@@ -117,7 +141,7 @@ impl Verilated {
     /// As for [`Self::run`].
     pub fn time(&self, frames: impl Iterator<Item = Vec<u64>>, times: usize) -> Result<Vec<f64>, ToolError> {
         let failed = |problem| failed(&self.program, problem);
-        let (mut process, input, mut output) = start(&self.program, &[times.to_string()])?;
+        let (mut process, input, mut output) = start(&self.program, &[ZEROS.to_string(), times.to_string()])?;
         // The program reads all frames before it writes anything.
         self.send(frames, input)?;
         let mut text = String::new();
@@ -180,22 +204,26 @@ pub struct VerilatedStream {
 }
 
 impl VerilatedStream {
-    /// Writes `top` into `folder` and compiles it there. Its ports besides clock and reset are `data_i`, `valid_i`,
+    /// Compiles existing files in `folder`. The ports of `top` besides clock and reset are `data_i`, `valid_i`,
     /// `ready_o` and `data_o`, `valid_o`, `ready_i`; data have 8 or 32 bits.
     ///
     /// # Errors
     /// As for [`Verilated::build`].
-    pub fn build(top: &Arc<Module>, folder: &Path, options: &Options) -> Result<Self, ToolError> {
-        let files = Sources::write(top, folder)?.files;
-        Ok(Self { program: compile(&files, top, &verilator_stream::main_file(top), folder, options)? })
+    pub fn build(files: &[PathBuf], top: &Module, folder: &Path, options: &Options) -> Result<Self, ToolError> {
+        Ok(Self { program: compile(files, top, &verilator_stream::main_file(top), folder, options)? })
     }
 
-    /// Starts the program. `host` gets the two streams; when it returns, the input is closed and the program ends.
+    /// Starts the program with random values in registers and memories, which follow from the seed. `host` gets the two
+    /// streams; when it returns, the input is closed and the program ends.
     ///
     /// # Errors
     /// The program cannot be started or fails; the host's errors.
-    pub fn run<T>(&self, host: impl FnOnce(ChildStdin, ChildStdout) -> io::Result<T>) -> Result<T, ToolError> {
-        let (mut process, input, output) = start(&self.program, &[])?;
+    pub fn run<T>(
+        &self,
+        seed: u32,
+        host: impl FnOnce(ChildStdin, ChildStdout) -> io::Result<T>,
+    ) -> Result<T, ToolError> {
+        let (mut process, input, output) = start(&self.program, &[initial_state(seed)])?;
         let result = host(input, output).map_err(|problem| failed(&self.program, problem))?;
         let status = process.0.wait().map_err(|problem| failed(&self.program, problem))?;
         match status.success() {
@@ -223,7 +251,7 @@ fn compile(
     write(&main, main_text)?;
     let objects = folder.join("obj");
     let mut command = Command::new("verilator");
-    let fixed = "--cc --exe --build --assert -O3 --x-assign 0 --x-initial 0 --prefix Vtop";
+    let fixed = "--cc --exe --build --assert -O3 --x-assign 0 --x-initial unique --prefix Vtop";
     command.args(fixed.split(' '));
     // Half of the C++ runs once, at the start, and is not worth optimising.
     let optimisation = options.c_optimisation;
@@ -244,6 +272,14 @@ fn compile(
         keep(&program, &kept).map_err(|problem| ToolError::file(&kept, "write", problem))?;
     }
     Ok(program)
+}
+
+/// The first argument of a program, for an initial state of zeros. Others are seeds of a random one.
+const ZEROS: u32 = 0;
+
+/// The first argument of a program that begins with random values. Verilator's generator has seeds from 1 to 2³¹ - 1.
+fn initial_state(seed: u32) -> String {
+    (seed % (u32::MAX / 2) + 1).to_string()
 }
 
 /// Starts a program with pipes in both directions.

@@ -7,7 +7,9 @@ use raypath_hdl::Module;
 /// The program reads a frame of inputs from standard input for each cycle, and writes a frame of outputs. Words have 64
 /// bits in the machine's byte order, which is little-endian where Verilator runs.
 ///
-/// With a number as argument, the program first reads all frames, runs them that many times and writes the seconds that
+/// The first argument is the seed of random values in registers and memories, or 0 for zeros.
+///
+/// With a number as second argument, the program first reads all frames, runs them that many times and writes the seconds that
 /// each run took, a line each. This measures the model without the pipes.
 pub fn main_file(top: &Module) -> String {
     let mut drive = String::new();
@@ -52,13 +54,16 @@ pub fn main_file(top: &Module) -> String {
 
 int main(int argc, char** argv) {{
   VerilatedContext context;
+  const int seed = argc > 1 ? std::atoi(argv[1]) : 0;
+  context.randReset(seed ? 2 : 0);
+  context.randSeed(seed ? seed : 1);
   Vtop top{{&context}};
   static uint64_t in[{inputs}];
   static uint64_t out[{outputs}];
-{reset}  if (argc > 1) {{
+{reset}  if (argc > 2) {{
     std::vector<uint64_t> frames;
     while (std::fread(in, sizeof in, 1, stdin) == 1) frames.insert(frames.end(), in, in + {inputs});
-    for (long times = std::strtol(argv[1], nullptr, 10); times > 0; --times) {{
+    for (long times = std::strtol(argv[2], nullptr, 10); times > 0; --times) {{
       auto begin = std::chrono::steady_clock::now();
       for (const uint64_t* in = frames.data(); in != frames.data() + frames.size(); in += {inputs}) {{
 {fall}{drive}    top.eval();

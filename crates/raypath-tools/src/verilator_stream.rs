@@ -8,22 +8,25 @@ use raypath_hdl::Module;
 /// Bytes at standard input become words of `data_i`, and words of `data_o` become bytes at standard output, the least
 /// significant byte first. In about half of the cycles, in a fixed order, `ready_i` is 0. While no byte is there, the
 /// clock goes on until nothing has happened for many cycles; then the program waits. It ends after the end of the
-/// input.
+/// input. The argument is the seed of random values in registers and memories.
 pub fn main_file(top: &Module) -> String {
     let bytes = top.port_width("data_i").unwrap_or(8) / 8;
     format!(
         r#"#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <poll.h>
 #include <unistd.h>
 
 #include "Vtop.h"
 #include "verilated.h"
 
-int main() {{
+int main(int argc, char** argv) {{
   // More cycles than a job spends in any datapath.
   const unsigned kQuiet = 1000;
   VerilatedContext context;
+  context.randReset(2);
+  context.randSeed(argc > 1 ? std::atoi(argv[1]) : 1);
   Vtop top{{&context}};
   for (int level : {{1, 0, 1}}) {{
     top.rst_ni = level;

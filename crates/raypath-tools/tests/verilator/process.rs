@@ -49,6 +49,31 @@ fn clocks_without_inputs() {
     }
 }
 
+/// A register without a reset begins with 0 or, in a random run, with a value that follows from the seed.
+#[test]
+fn the_initial_state_is_chosen() {
+    let m = Builder::new("held");
+    let held = m.register("held_q", 64);
+    held.next_when(m.input("load_i", 1), m.input("value_i", 64));
+    m.output("held_o", held.wire());
+    let (_folder, verilated) = build(m);
+    let frames = || vec![vec![0, 5], vec![1, 5], vec![0, 6]];
+    let mut seen = Vec::new();
+    verilated.run(frames(), |_, outputs| seen.extend_from_slice(outputs)).expect("a run");
+    assert_eq!(seen, [0, 0, 5]);
+    let mut begun = [3, 3, 4, 0, u32::MAX].map(|seed| {
+        let mut seen = Vec::new();
+        verilated.run_randomly(seed, frames(), |_, outputs| seen.extend_from_slice(outputs)).expect("a run");
+        assert_eq!((seen[0], seen[2]), (seen[1], 5));
+        seen[0]
+    });
+    assert_eq!(begun[0], begun[1]);
+    begun.sort_unstable();
+    let mut different = begun.to_vec();
+    different.dedup();
+    assert!(different.len() >= 3 && !begun.contains(&0), "{begun:x?}");
+}
+
 /// A program of the same texts is not compiled again; one of other texts is.
 #[test]
 fn kept_programs_are_used_again() {

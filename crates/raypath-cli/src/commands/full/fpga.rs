@@ -10,7 +10,7 @@ use raypath_model::Model;
 use raypath_rtl::Config;
 use raypath_sim::files::write_all;
 use raypath_sim::{Datapath, Words, jobs};
-use raypath_tools::{Nextpnr, Options, ToolError, VerilatedStream, Yosys, temporary_folder};
+use raypath_tools::{Nextpnr, Options, Sources, ToolError, VerilatedStream, Yosys, temporary_folder};
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
@@ -65,7 +65,8 @@ fn stream() -> impl TypedValueParser<Value = StreamWidth> {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let (config, datapath) = arguments.datapath.datapath()?;
-    let shell = Shell::new(datapath.elaborate()?.top(), arguments.stream)?;
+    let elaborated = datapath.elaborate()?;
+    let shell = Shell::new(elaborated.top(), arguments.stream)?;
     match &arguments.connect {
         Some(path) => {
             let board = |host: &Host<'_>, jobs: &[Words], outcomes: &[Words]| {
@@ -84,7 +85,15 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
             config,
             &datapath,
             &shell,
-            |host, jobs, outcomes| verilated(host, jobs, outcomes, &shell),
+            |host, jobs, outcomes| {
+                let folder = temporary_folder()?;
+                let mut sources = Sources::write(&shell.top, folder.path())?;
+                let properties = elaborated.properties().to_string();
+                sources.add(folder.path().join("raypath_properties.sv"), &properties)?;
+                let (files, options) = (&sources.files, Options::default());
+                let stream = VerilatedStream::build(files, &shell.top, folder.path(), &options)?;
+                stream.run(arguments.seed as u32, |to, from| host.compare(jobs, outcomes, to, from))
+            },
             out,
         ),
         None => implement(arguments, config, &shell, out),
@@ -161,11 +170,4 @@ fn compare(
         0 => Ok(()),
         wrong => Err(CliError::Mismatch(format!("{wrong} of {sent} outcomes are wrong or missing"))),
     }
-}
-
-/// The shell in Verilator.
-fn verilated(host: &Host<'_>, jobs: &[Words], outcomes: &[Words], shell: &Shell) -> Result<Comparison, ToolError> {
-    let folder = temporary_folder()?;
-    let stream = VerilatedStream::build(&shell.top, folder.path(), &Options::default())?;
-    stream.run(|to, from| host.compare(jobs, outcomes, to, from))
 }
