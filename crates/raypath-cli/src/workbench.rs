@@ -203,10 +203,11 @@ fn check(
     let mut progress = Progress::new("jobs", checks.jobs);
     let found = checks.against_the_models(|done| progress.at(done))?;
     let stopped = progress.finish(found.jobs);
-    let (jobs, cycles, different) = (found.jobs, found.cycles, found.different);
+    let (jobs, lost, cycles, different) = (found.jobs + found.lost, found.lost, found.cycles, found.different);
     writeln!(
         out,
-        "Netlist: {jobs} jobs of all operations in {cycles} cycles, {different} mismatches with the models."
+        "Netlist: {jobs} jobs of all operations in {cycles} cycles, {lost} of them lost in resets, {different} \
+         mismatches with the models."
     )?;
     same(different, &found.differences, "netlist and models", out)?;
     stopped?;

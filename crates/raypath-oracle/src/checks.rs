@@ -58,6 +58,8 @@ pub struct Simulated {
 const MAX_MESSAGES: usize = 5;
 /// The maximum number of transactions in a file.
 const MAX_WRITTEN: usize = 10_000;
+/// The probability of a reset in a cycle.
+const RESETS: f64 = 0.0005;
 /// The fraction of mixed jobs that belong to the operations to check.
 const SPECIFIED: f64 = 0.5;
 
@@ -104,20 +106,22 @@ impl Checks<'_> {
         })
     }
 
-    /// Compares the netlist with the models in every cycle, for jobs of all operations with bubbles and stalls.
+    /// Compares the netlist with the models in every cycle, for jobs of all operations with bubbles, stalls and resets,
+    /// and any values in data registers at the start.
     /// `on_job` gets the number of jobs so far; the comparison ends when it returns false.
     ///
     /// # Errors
     /// A netlist that cannot be compiled.
     pub fn against_the_models(&self, on_job: impl FnMut(usize) -> bool) -> Result<Comparison, rtl::Error> {
         let mut netlist = self.datapath.netlist(self.netlist)?;
-        let mut traffic = Traffic::random(self.seed);
+        netlist.restart_randomly(self.seed);
+        let mut traffic = Traffic::random(self.seed).with_resets(RESETS);
         Ok(lockstep(&mut netlist, self.datapath.model(), self.mixed_jobs().into_iter(), &mut traffic, on_job))
     }
 
     /// Checks the SystemVerilog. Lints it with Verilator, Yosys and slang, which must report nothing. Then simulates it
-    /// in Verilator with the assertions about the control, and compares every cycle with the cycle-exact model and
-    /// every outcome of the operations with its oracle.
+    /// in Verilator with the assertions about the control, with resets and any initial state, and compares every cycle
+    /// with the cycle-exact model and every outcome of the operations with its oracle.
     ///
     /// # Errors
     /// A tool is not installed or reports something, or an assertion fails.
@@ -135,34 +139,37 @@ impl Checks<'_> {
             jobs: &jobs,
             answers: Answers::Model(model.clone()),
             traffic: Traffic::random(self.seed),
-            resets: Vec::new(),
+            resets: (1..=self.jobs / 1000).map(|n| n * 1400 + n * n).collect(),
         };
-        let (inputs, expected): (Vec<_>, Vec<_>) =
-            stimulus.cycles(top).into_iter().map(|cycle| (cycle.inputs, cycle.expected)).unzip();
-        let mut found = Simulated { cycles: inputs.len(), ..Simulated::default() };
-        let is_taken = output_ready(top, &inputs);
-        // Each with an iterator over the jobs whose outcomes are still to come.
-        let mut runs: Vec<(OracleRun<'_>, _)> = self.oracle_runs().into_iter().map(|run| (run, jobs.iter())).collect();
-        verilated.run(inputs, |cycle, values| {
-            let Some(expected) = expected.get(cycle).and_then(Option::as_ref) else { return };
-            if let Some(fault) = expected.fault(top, values) {
-                found.different += 1;
-                if found.faults.len() < MAX_MESSAGES {
-                    found.faults.push(format!("cycle {cycle}: {fault}"));
+        let cycles = stimulus.cycles(top);
+        let mut found = Simulated { cycles: cycles.len(), ..Simulated::default() };
+        let ready = top.inputs().iter().position(|port| port.name == "output_ready_i").map_or(0, |index| index + 1);
+        let mut runs = self.oracle_runs();
+        verilated.run_randomly(
+            self.seed as u32,
+            cycles.iter().map(|cycle| cycle.inputs.clone()),
+            |number, values| {
+                let Some(cycle) = cycles.get(number) else { return };
+                if cycle.inputs.first() == Some(&0) {
+                    runs.iter_mut().for_each(OracleRun::reset);
                 }
-            }
-            // The ports show this outcome, unless a fault was found above.
-            let outcome = expected.output.as_ref().filter(|_| is_taken.get(cycle).copied().unwrap_or(false));
-            for (run, waiting) in &mut runs {
-                let kind = run.kind;
-                if let Some(outcome) = outcome.filter(|outcome| outcome.kind() == kind)
-                    && let Some(job) = waiting.find(|job| job.kind() == kind)
+                let Some(expected) = &cycle.expected else { return };
+                if let Some(fault) = expected.fault(top, values) {
+                    found.different += 1;
+                    if found.faults.len() < MAX_MESSAGES {
+                        found.faults.push(format!("cycle {number}: {fault}"));
+                    }
+                }
+                // The ports show this outcome, unless a fault was found above.
+                if let Some(outcome) = expected.output.as_ref().filter(|_| cycle.inputs.get(ready) == Some(&1))
+                    && let Some(job) = cycle.job.and_then(|job| jobs.get(job))
                 {
-                    run.check(&model, job, outcome);
+                    let own = runs.iter_mut().filter(|run| run.kind == outcome.kind());
+                    own.for_each(|run| run.check(&model, job, outcome));
                 }
-            }
-        })?;
-        found.reports = runs.into_iter().map(|(run, _)| run.report).collect();
+            },
+        )?;
+        found.reports = runs.into_iter().map(|run| run.report).collect();
         Ok(found)
     }
 
@@ -203,6 +210,13 @@ struct OracleRun<'s> {
 }
 
 impl OracleRun<'_> {
+    /// The oracle's state after a reset.
+    fn reset(&mut self) {
+        if let Some(oracle) = &self.spec.oracle {
+            self.oracle = (oracle.check)();
+        }
+    }
+
     fn check(&mut self, model: &WordModel, job: &Words, outcome: &Words) {
         self.report.jobs += 1;
         if let Err(fault) = (self.oracle)(&model.all_inputs(job), &model.all_outputs(outcome)) {
@@ -212,10 +226,4 @@ impl OracleRun<'_> {
             }
         }
     }
-}
-
-/// Whether the sink is ready in each cycle.
-fn output_ready(top: &raypath_hdl::Module, inputs: &[Vec<u64>]) -> Vec<bool> {
-    let port = top.inputs().iter().position(|port| port.name == "output_ready_i").map_or(0, |index| index + 1);
-    inputs.iter().map(|values| values.get(port) == Some(&1)).collect()
 }

@@ -7,7 +7,7 @@ use common::meshes::{self, Named};
 use common::rays::{Kind, rays};
 use raypath_render::{Mesh, Scene};
 use raypath_rtl::Config;
-use raypath_tools::{ToolError, Verilated};
+use raypath_tools::{Options, Sources, ToolError, Verilated};
 use raypath_unit::traffic::{Behaviour, Environment, Recorder};
 use raypath_unit::{NetlistEngine, RayRequest, Unit, UnitModel, UnitNetlist, UnitOutputs, UnitParameters, outputs_of};
 use std::sync::mpsc;
@@ -33,7 +33,10 @@ fn netlist_and_models_agree_on_meshes_and_degenerate_scenes() {
 fn verilator_netlist_and_models_agree_on_a_million_rays() {
     let unit = unit();
     let folder = tempfile::tempdir().expect("a folder");
-    let verilated = Verilated::build(&unit.top, folder.path()).expect("a build");
+    let mut sources = Sources::write(&unit.top, folder.path()).expect("sources");
+    sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
+    let options = Options::default();
+    let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
     let meshes = meshes::all().into_iter().map(|mesh| (mesh, 1_000_000));
     for (Named { name, mesh }, count) in meshes.chain(degenerate().into_iter().map(|mesh| (mesh, 40_000))) {
         let subject = Subject::new(name, &mesh, count / Kind::ALL.len());
@@ -103,7 +106,7 @@ fn in_verilator(
     let netlist = NetlistEngine::new(unit).expect("a simulation");
     let (sender, outputs) = mpsc::channel();
     let mut cycles = 0;
-    verilated.run(Frames { environment, model, netlist, sender }, |cycle, found| {
+    verilated.run_randomly(1, Frames { environment, model, netlist, sender }, |cycle, found| {
         let expected = outputs.recv().expect("the outputs of the model");
         assert_eq!(Some(outputs_of(found)), expected, "cycle {cycle}");
         cycles = cycle + 1;

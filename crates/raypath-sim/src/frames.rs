@@ -13,6 +13,8 @@ pub struct Cycle {
     pub inputs: Vec<u64>,
     /// `None` while registers are still unknown.
     pub expected: Option<Expected>,
+    /// The job whose outcome is at the output ports.
+    pub job: Option<usize>,
 }
 
 /// The expected output values of a cycle.
@@ -54,8 +56,8 @@ impl Stimulus<'_> {
         let positions: HashMap<&str, usize> =
             (1..).zip(top.inputs()).map(|(at, port)| (port.name.as_str(), at)).collect();
         let mut inputs = vec![0; positions.len() + 1];
-        let mut cycles =
-            vec![Cycle { inputs: inputs.clone(), expected: None }, Cycle { inputs: inputs.clone(), expected: None }];
+        let reset = || Cycle { inputs: vec![0; positions.len() + 1], expected: None, job: None };
+        let mut cycles = vec![reset(), reset()];
         let mut pipeline = Elastic::new(&self.shape);
         let (mut accepted, mut left) = (0, 0);
         while left < self.jobs.len() {
@@ -82,7 +84,8 @@ impl Stimulus<'_> {
             // The opcode of the last job stays at the port.
             let input_ready = pipeline.input_ready(inputs[positions["opcode_i"]]);
             let expected = Expected { input_ready, output: pipeline.output().cloned(), encoding: self.encoding };
-            cycles.push(Cycle { inputs: inputs.clone(), expected: Some(expected) });
+            let job = expected.output.is_some().then_some(left);
+            cycles.push(Cycle { inputs: inputs.clone(), expected: Some(expected), job });
             if !reset {
                 let entering = offered.filter(|_| input_ready);
                 let item = entering.map(|job| (job.kind().opcode(), self.answers.next(accepted, job)));

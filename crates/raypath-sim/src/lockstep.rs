@@ -21,6 +21,8 @@ pub struct Comparison {
     pub jobs: usize,
     /// The number of these jobs by opcode.
     pub by_opcode: BTreeMap<u64, usize>,
+    /// The number of jobs that a reset lost, or that the source withdrew.
+    pub lost: usize,
     /// The number of clock cycles.
     pub cycles: u64,
     /// The number of cycles in which a job was offered and not accepted.
@@ -69,7 +71,7 @@ pub fn lockstep(
     let mut found = Comparison::default();
     let different = Cell::new(0);
     let mut engines = SideBySide::new(netlist, model, |_| different.set(different.get() + 1));
-    observe(&mut engines, jobs, traffic, |seen| {
+    let run = observe(&mut engines, jobs, traffic, |seen| {
         found.cycles += 1;
         found.stalled += u64::from(seen.cycle.offers && !seen.shown.input_ready);
         if let Some(outcome) = seen.shown.output.as_ref().filter(|_| seen.cycle.takes) {
@@ -79,7 +81,7 @@ pub fn lockstep(
         }
         different.get() < MAX_DIFFERENCES
     });
-    Comparison { differences: engines.differences, different: different.get(), ..found }
+    Comparison { lost: run.dropped, differences: engines.differences, different: different.get(), ..found }
 }
 
 /// Measures latency and initiation interval at the ports of an engine, with a reset before and after. `job` may be of

@@ -75,6 +75,14 @@ impl Traffic {
         Self(Pattern::Random(Box::new(random)))
     }
 
+    /// The same traffic with a reset in each cycle with this probability. Recorded traffic stays as it is.
+    pub fn with_resets(mut self, probability: f64) -> Self {
+        if let Pattern::Random(random) = &mut self.0 {
+            random.resets = probability;
+        }
+        self
+    }
+
     /// These cycles. Afterwards the source always offers and the sink is always ready.
     pub fn recorded(cycles: Vec<Cycle>) -> Self {
         Self(Pattern::Recorded(cycles.into()))

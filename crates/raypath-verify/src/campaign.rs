@@ -214,9 +214,11 @@ impl Campaign {
     /// Shrinks a failure and writes it to files.
     fn report(&self, failure: &Failure, folder: &Path) -> Result<String, Error> {
         let entry = &self.entries[(failure.episode / self.episodes) as usize];
-        let trace = entry.episode(self.seed, failure.episode).trace();
+        let episode = entry.episode(self.seed, failure.episode);
         let folder = folder.join(format!("failure-{}-{}", self.seed, failure.episode));
-        let message = report(&mut entry.netlist()?, &entry.model, &entry.subject, trace, failure, &folder)?;
+        let mut netlist = entry.netlist()?;
+        netlist.restart_randomly(episode.initial);
+        let message = report(&mut netlist, &entry.model, &entry.subject, episode.trace(), failure, &folder)?;
         Ok(if self.entries.len() == 1 { message } else { format!("{}, {message}", entry.subject) })
     }
 }

@@ -25,10 +25,9 @@ pub(crate) fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (level, seed, shard) = (request.level, request.seed, request.shard);
     let mut work = Vec::new();
     for (subject, loses_resets) in subjects(level) {
+        let lost = lost_resets(&text_of(&subject.top()?)?);
         work.push((subject, None));
-        if loses_resets {
-            work.extend(lost_resets(&text_of(&subject.top()?)?).into_iter().map(|lost| (subject, Some(lost))));
-        }
+        work.extend(lost.into_iter().filter(|_| loses_resets).map(|lost| (subject, Some(lost))));
     }
     let shards = request.parts.phase(|| {
         let own: Vec<&(Subject, Option<LostReset>)> = shard.of(&work).collect();
@@ -168,7 +167,8 @@ fn subjects(level: Level) -> Vec<(Subject, bool)> {
         let features = Features { tag: 8, barycentrics: true, facing: true, culling: Culling::None, ..Features::OFF };
         configs.extend([
             (of.sharing(Sharing::Segregated), false),
-            (of.features(Features { range: true, exception_flags: true, ..features }), false),
+            (of.features(Features { range: true, ..features }), false),
+            (of.format(Format::BINARY32).features(Features { exception_flags: true, ..Features::OFF }), false),
             (of.features(Features { accumulators: Accumulators::Four, ..Features::OFF }), true),
             (of.rules(Rules::Bounds(BoxBits::DEFAULT)).box_bits(BoxBits(9)), false),
             (of.rounding(Rounding::Sum), true),
@@ -176,4 +176,17 @@ fn subjects(level: Level) -> Vec<(Subject, bool)> {
     }
     let unit = [(Subject::Unit, false)];
     configs.into_iter().map(|(config, faults)| (Subject::Datapath(config), faults)).chain(unit).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_designs_can_be_built() {
+        for (subject, _) in subjects(Level::Full) {
+            let name = subject.name();
+            subject.top().unwrap_or_else(|error| panic!("{name}: {error}"));
+        }
+    }
 }

@@ -99,6 +99,7 @@ fn check(
         measured.push((kind, timing));
     }
 
+    netlist.restart_randomly(seed);
     let mut traffic = Traffic::random(seed);
     let mut progress = Progress::new("jobs", total);
     let jobs = stream(&model.kinds()).take(total);

@@ -16,6 +16,8 @@ pub struct NetlistEngine {
     /// The output ports except those of the handshake, sorted by name.
     outputs: Vec<(String, OutputPort)>,
     ports: HandshakePorts,
+    /// The seed of the initial state; zeros without one.
+    initial: Option<u64>,
 }
 
 /// The values of the handshake ports in a cycle, before its clock edge.
@@ -113,7 +115,8 @@ impl NetlistEngine {
             operations[opcode] = Some(OperationPorts { kind, inputs, outputs, foreign });
         }
         let encoding = PortEncoding::of(config);
-        let mut engine = Self { model, simulator, encoding, shape, operations, outputs: all_outputs, ports };
+        let mut engine =
+            Self { model, simulator, encoding, shape, operations, outputs: all_outputs, ports, initial: None };
         engine.reset();
         Ok(engine)
     }
@@ -128,10 +131,27 @@ impl NetlistEngine {
         &self.shape
     }
 
-    /// Returns to the state of a new engine. Unlike [`reset`](Engine::reset), this clears the data registers too.
+    /// Returns to the initial state, that of a new engine or of the last [`restart_randomly`](Self::restart_randomly).
+    /// Unlike [`reset`](Engine::reset), this restores the data registers too.
     pub fn restart(&mut self) {
-        self.simulator.restart();
+        match self.initial {
+            Some(seed) => self.simulator.restart_randomly(seed),
+            None => self.simulator.restart(),
+        }
         self.reset();
+    }
+
+    /// Begins again with random values, which follow from the seed, in memories and in registers without a reset. What
+    /// the ports show must not depend on them.
+    pub fn restart_randomly(&mut self, seed: u64) {
+        self.initial = Some(seed);
+        self.restart();
+    }
+
+    /// Begins again with zeros in memories and in registers without a reset, as a new engine.
+    pub fn restart_with_zeros(&mut self) {
+        self.initial = None;
+        self.restart();
     }
 
     /// As [`Engine::cycle`], but does not read the outcome. [`shows`](Self::shows) compares it faster.

@@ -19,6 +19,8 @@ const EVENTFUL_CYCLES: u32 = 1200;
 pub struct Episode {
     jobs: Vec<Words>,
     traffic: Traffic,
+    /// The seed of the state that the netlist begins in.
+    pub initial: u64,
 }
 
 /// The result of an episode.
@@ -40,7 +42,8 @@ impl Episode {
             let kind = stimuli.next(&mut words);
             model.job_of_words(kind, &words)
         });
-        Self { jobs: jobs.collect(), traffic: Traffic::eventful(splitmix64(own), EVENTFUL_CYCLES) }
+        let traffic = Traffic::eventful(splitmix64(own), EVENTFUL_CYCLES);
+        Self { jobs: jobs.collect(), traffic, initial: own }
     }
 
     /// Runs the episode up to the first difference.
@@ -54,7 +57,7 @@ impl Episode {
             self.jobs.iter().map(|job| model.job_points(job.kind(), job.as_words())).collect()
         });
         let mut tracker = coverage.map(|(model, coverage)| Tracker::new(model, coverage, &points));
-        netlist.restart();
+        netlist.restart_randomly(self.initial);
         let is_different = std::cell::Cell::new(false);
         let mut engines = SideBySide::new(netlist, model.clone(), |_: Difference| is_different.set(true));
         let run = observe(&mut engines, self.jobs.iter(), &mut self.traffic.clone(), |seen| {

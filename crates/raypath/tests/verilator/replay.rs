@@ -31,7 +31,7 @@ fn faults(verilated: &Verilated, top: &Module, cycles: Vec<Cycle>) -> usize {
     let mut faults = 0;
     let mut seen = 0;
     verilated
-        .run(inputs, |index, values| {
+        .run_randomly(7, inputs, |index, values| {
             seen += 1;
             if let Some(fault) = expected[index].as_ref().and_then(|expected| expected.fault(top, values)) {
                 faults += 1;

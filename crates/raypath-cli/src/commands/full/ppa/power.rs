@@ -79,7 +79,7 @@ impl<'d> Streams<'d> {
             let idle = || {
                 let mut inputs = last.clone();
                 inputs[valid] = 0;
-                Cycle { inputs, expected: None }
+                Cycle { inputs, expected: None, job: None }
             };
             stream.resize_with(end, idle);
         }
