@@ -9,8 +9,8 @@ use raypath_hdl::Module;
 ///
 /// The first argument is the seed of random values in registers and memories, or 0 for zeros.
 ///
-/// With a number as second argument, the program first reads all frames, runs them that many times and writes the seconds that
-/// each run took, a line each. This measures the model without the pipes.
+/// With a number as second argument, the program first reads all frames, runs them that many times and writes the
+/// seconds that each run took, a line each. This measures the model without the pipes.
 pub fn main_file(top: &Module) -> String {
     let mut drive = String::new();
     let mut words = 0;
