@@ -70,8 +70,8 @@ pub const ITEMS: &[Item] = &[
         name: "unit-proofs",
         claim: "adders, multipliers, dividers, square roots, comparison and conversions give IEEE 754's result for all \
             operands; split and iterative units give the result of the unsplit ones; products and numbers with short \
-            significands are rounded in their direction",
-        oracle: "Yosys's symfpu, by SAT (ABC)",
+            significands are rounded in their direction; sums of several terms round once",
+        oracle: "Yosys's symfpu, and a definition of sums on integers, by SAT (ABC)",
         subject: PROOFS,
         run: proofs::unit_proofs,
     },

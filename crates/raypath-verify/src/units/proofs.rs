@@ -10,6 +10,7 @@ mod lemma;
 mod linear;
 mod product;
 mod short;
+mod sum;
 mod theorem;
 
 pub use claim::{Claim, Form, Operands, Subject};
@@ -19,7 +20,7 @@ use crate::sat::{Certificate, Miter, ProofResult, Prover};
 use crate::units::bench::Simulated;
 use crate::{Error, Level, Progress, Request, Verdict};
 use raypath_float::{
-    DivSqrt, Format, Narrow, add, compare, div, mul, mul_inferred_parts, mul_narrow_parts, narrow, sqrt,
+    DivSqrt, Format, Narrow, add, compare, div, mul, mul_inferred_parts, mul_narrow_parts, narrow, sqrt, sum_parts,
 };
 use raypath_hdl::Module;
 use raypath_tools::{Cache, Key, ToolError, pool};
@@ -259,6 +260,11 @@ impl Counterexample {
                 let [result] = Simulated::new(&narrow(format, to)?)?.run([format.encode(a)]);
                 format.narrowed(to.bits)?.decode(result)
             }
+            Subject::Sum(terms) => {
+                let width = format.ieee_width();
+                let words = (0..terms).map(|term| format.encode(a >> (term * width) & ((1 << width) - 1)));
+                format.decode(Simulated::new(&sum_parts(format, terms, 1)?.remove(0))?.run::<1>(words)[0])
+            }
             Subject::AddParts(_) => Simulated::new(&add(format)?)?.run::<1>([a, b])[0],
             Subject::MulParts(_) => Simulated::new(&mul(format)?)?.run::<1>([a, b])[0],
             Subject::MulInferredParts(_) => Simulated::new(&mul_inferred()?)?.run::<1>([a, b])[0],
@@ -274,11 +280,9 @@ impl Counterexample {
 impl std::fmt::Display for Counterexample {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { claim, a, b, ours, wanted } = self;
-        match claim.subject {
-            Subject::RoundTrip | Subject::Shortening(_) | Subject::Sqrt | Subject::Divided(DivSqrt::Root, _) => {
-                write!(f, "{claim}: {a:#x} gives {ours:#x}, expected {wanted:#x}")
-            }
-            _ => write!(f, "{claim}: {a:#x} and {b:#x} give {ours:#x}, expected {wanted:#x}"),
+        match claim.is_unary() {
+            true => write!(f, "{claim}: {a:#x} gives {ours:#x}, expected {wanted:#x}"),
+            false => write!(f, "{claim}: {a:#x} and {b:#x} give {ours:#x}, expected {wanted:#x}"),
         }
     }
 }
@@ -287,7 +291,7 @@ impl std::fmt::Display for Counterexample {
 fn claims(level: Level) -> impl Iterator<Item = Claim> {
     use Subject::{
         Add, AddParts, Compare, Div, Divided, Mul, MulInferred, MulInferredParts, MulParts, RoundTrip, ShortProduct,
-        Shortening, Sqrt, Sub,
+        Shortening, Sqrt, Sub, Sum,
     };
     const fn product(bits: u32, away: bool) -> Subject {
         ShortProduct(Narrow { bits, away, margin: 0 })
@@ -307,6 +311,10 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Full, Mul, 5, 6),
         (Level::Full, MulInferred, 8, 8),
         (Level::Full, MulInferred, 5, 6),
+        (Level::Full, Sum(3), 4, 4),
+        (Level::Full, Sum(3), 3, 4),
+        (Level::Full, Sum(4), 3, 4),
+        (Level::Full, Sum(5), 3, 3),
         (Level::Full, Mul, 4, 5),
         (Level::Full, Mul, 5, 4),
         (Level::Full, Mul, 4, 4),
@@ -348,6 +356,7 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Regression, Sub, 3, 4),
         (Level::Regression, Mul, 3, 4),
         (Level::Regression, MulInferred, 3, 4),
+        (Level::Regression, Sum(3), 3, 3),
         (Level::Regression, Div, 3, 4),
         (Level::Regression, Sqrt, 3, 4),
         (Level::Regression, Divided(DivSqrt::Quotient, Form::Iterative(2)), 8, 24),

@@ -1,12 +1,12 @@
 //! Claims about units, and the miters that would show them wrong.
 
-use super::short;
+use super::{short, sum};
 use crate::error::Error;
 use crate::sat::{Miter, SOURCE};
 use crate::units::bench::{chain, unrolled};
 use raypath_float::{
     DivSqrt, Format, Narrow, add, add_parts, compare, decode, div, encode, mul, mul_inferred_parts, mul_narrow_parts,
-    mul_parts, narrow, sqrt,
+    mul_parts, narrow, sqrt, sum_parts,
 };
 use raypath_hdl::Module;
 use raypath_hdl::verilog::text;
@@ -55,6 +55,9 @@ pub enum Subject {
     ShortProduct(Narrow),
     /// The rounding to a shorter significand in one direction.
     Shortening(Narrow),
+    /// The sum of this many terms, rounded once, between encoders and decoder, against its definition in
+    /// docs/reference/semantics.md.
+    Sum(u32),
     /// The divider or the square root in another form, against the combinational one, for all recoded words.
     Divided(DivSqrt, Form),
 }
@@ -100,6 +103,7 @@ impl Subject {
             Self::Shortening(Narrow { away: false, margin: 1.., .. }) => (" & ordinary", ""),
             Self::Shortening(_) => ("< LeastKept", "<= LeastKept"),
             Self::RoundTrip => ("exponent < ", "exponent <= "),
+            Self::Sum(_) => ("& (below_guard | ", "& (below_guard & "),
         }
     }
 }
@@ -143,6 +147,7 @@ impl Claim {
             Subject::Shortening(to) => {
                 (whole(narrow(f, to)?)?, text(&encode(f)?)? + &text(&decode(f.narrowed(to.bits)?)?)?, None)
             }
+            Subject::Sum(terms) => (whole(sum_parts(f, terms, 1)?.remove(0))?, conversions()?, None),
             Subject::AddParts(count) => (joined(add_parts(f, count, false)?)?, whole(add(f)?)?, None),
             Subject::MulParts(count) => (joined(mul_parts(f, count, false)?)?, whole(mul(f)?)?, None),
             Subject::MulInferredParts(count) => (
@@ -203,11 +208,15 @@ impl Claim {
         matches!(self.subject, AddParts(_) | MulParts(_) | MulInferredParts(_) | Divided(..))
     }
 
-    /// Whether the second operand is not used.
-    fn is_unary(&self) -> bool {
+    /// Whether the second operand is not used. The terms of a sum are in the first one.
+    pub fn is_unary(&self) -> bool {
         matches!(
             self.subject,
-            Subject::RoundTrip | Subject::Shortening(_) | Subject::Sqrt | Subject::Divided(DivSqrt::Root, _)
+            Subject::RoundTrip
+                | Subject::Shortening(_)
+                | Subject::Sqrt
+                | Subject::Sum(_)
+                | Subject::Divided(DivSqrt::Root, _)
         )
     }
 
@@ -217,6 +226,7 @@ impl Claim {
         let width = match self.subject {
             _ if self.compares_own_units() => f.recoded_width(),
             Subject::ShortProduct(Narrow { bits, .. }) => f.narrowed(bits)?.ieee_width(),
+            Subject::Sum(terms) => terms * f.ieee_width(),
             _ => f.ieee_width(),
         };
         let ports: &[(&str, u32)] = match (self.subject, self.operands) {
@@ -245,6 +255,7 @@ impl Claim {
         let (unit_ports, width) = match self.subject {
             _ if self.compares_own_units() => (recoded, recoded),
             Subject::Compare => (ieee, 3),
+            Subject::Sum(terms) => (terms * ieee, ieee),
             Subject::ShortProduct(Narrow { bits, .. }) => [f.narrowed(bits)?.ieee_width(); 2].into(),
             Subject::Shortening(Narrow { bits, .. }) => (ieee, f.narrowed(bits)?.ieee_width()),
             _ => (ieee, ieee),
@@ -358,6 +369,7 @@ impl Claim {
             ),
             Subject::ShortProduct(to) => short::product(f, to)?,
             Subject::Shortening(to) => short::shortening(f, to)?,
+            Subject::Sum(terms) => sum::sides(f, terms),
             Subject::AddParts(count) => parts(count, "add", "sum_o"),
             Subject::MulParts(count) => parts(count, "mul", "product_o"),
             Subject::MulInferredParts(count) => parts(count, "mul_inferred", "product_o"),
@@ -421,6 +433,7 @@ impl fmt::Display for Claim {
                 write!(f, "rounding {} zero to {bits} bits", short::direction(to))?;
                 if margin > 0 { write!(f, " with a margin of {margin}") } else { Ok(()) }
             }
+            Subject::Sum(terms) => write!(f, "sums of {terms} terms"),
             Subject::AddParts(count) => write!(f, "the adder in {count} parts"),
             Subject::MulParts(count) => write!(f, "the multiplier in {count} parts"),
             Subject::MulInferredParts(count) => write!(f, "the multiplier with * in {count} parts"),
