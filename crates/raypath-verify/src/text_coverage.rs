@@ -1,5 +1,6 @@
 //! Coverage of the emitted text: lines, branches and toggles, counted by Verilator under the stimuli of campaigns.
 
+mod constants;
 mod reachable;
 mod run;
 mod subjects;
@@ -7,13 +8,15 @@ mod subjects;
 use crate::campaign::FOLDER;
 use crate::subjects::Subject;
 use crate::{Error, Level, Request, Verdict, files};
+use constants::{Bit, constants};
 use raypath_hdl::{Module, verilog};
 use raypath_model::{OperationId, Shape};
 use raypath_sim::engine::shape;
-use raypath_tools::{CoverageKind, CoveragePoint, Options, Sources, Verilated, pool, temporary_folder};
+use raypath_tools::{CoverageKind, CoveragePoint, Options, Sources, Verilated, pool, read, temporary_folder};
 use reachable::Text;
 use run::Run;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
@@ -106,9 +109,10 @@ struct Found {
 impl Found {
     /// The coverage of so many runs of a datapath, and the runs that leave out an operation if there are several.
     fn of(subject: &Subject, runs: u64, seed: u64, has_controls: bool) -> Result<Self, Error> {
-        let design = Design::new(subject)?;
+        let mut design = Design::new(subject)?;
         let mut failures = Vec::new();
         let points = design.points(0..runs, seed, None, &mut failures)?;
+        design.constants = constants(&design.source, &points)?;
         let counts = design.counts(&points, &mut failures);
         for (kind, counts) in CoverageKind::ALL.iter().zip(counts) {
             if counts.percent() < BAR {
@@ -126,7 +130,7 @@ impl Found {
             Ok::<_, Error>(Some(failures))
         })?;
         failures.extend(controls.into_iter().flatten().flatten());
-        let rest = points.iter().filter(|point| !is_hit(point) && !design.text.is_default_of_complete_case(point));
+        let rest = points.iter().filter(|point| !is_hit(point) && !design.is_out_of_reach(point));
         let lines = rest
             .map(|point| format!("  {}, line {}: {} {}\n", point.module, point.line, point.kind.name(), point.name));
         let report = std::iter::once(format!("{subject}\n")).chain(lines).collect();
@@ -146,6 +150,10 @@ struct Design<'s> {
     top: Arc<Module>,
     shape: Shape,
     text: Text,
+    /// All modules as printed.
+    source: String,
+    /// The bits that are proved to be constant.
+    constants: BTreeSet<Bit>,
     verilated: Verilated,
     /// Has the program.
     _folder: TempDir,
@@ -156,11 +164,12 @@ impl<'s> Design<'s> {
         let datapath = subject.datapath().elaborate()?;
         let (top, folder) = (datapath.top().clone(), temporary_folder()?);
         let text = Text::new(&verilog::sources(&top, &[])?);
-        let files = Sources::write(&top, folder.path())?.files;
+        let Sources { files, all, .. } = Sources::write(&top, folder.path())?;
+        let source = String::from_utf8_lossy(&read(&all)?).into_owned();
         let options = Options { coverage: true, ..Options::default() };
         let verilated = Verilated::build_sources(&files, &top, folder.path(), &options)?;
         let shape = shape(subject.config, &datapath);
-        Ok(Self { subject, top, shape, text, verilated, _folder: folder })
+        Ok(Self { subject, top, shape, text, source, constants: BTreeSet::new(), verilated, _folder: folder })
     }
 
     /// The points with their hits in all runs. Outputs that are not the cycle-exact model's are failures.
@@ -193,19 +202,26 @@ impl<'s> Design<'s> {
         Ok(sum)
     }
 
+    fn is_out_of_reach(&self, point: &CoveragePoint) -> bool {
+        let is_constant = || self.constants.contains(&(point.module.clone(), point.name.clone()));
+        match point.kind {
+            CoverageKind::Line => self.text.is_default_of_complete_case(point),
+            CoverageKind::Branch => false,
+            CoverageKind::Toggle => is_constant(),
+        }
+    }
+
     /// The counts of each kind. A hit of a point that is said to be out of reach is a failure.
     fn counts(&self, points: &[CoveragePoint], failures: &mut Vec<String>) -> [Counts; 3] {
         CoverageKind::ALL.map(|kind| {
             let mut counts = Counts::default();
             for point in points.iter().filter(|point| point.kind == kind) {
-                if !self.text.is_default_of_complete_case(point) {
+                if !self.is_out_of_reach(point) {
                     counts.reachable += 1;
                     counts.hit += u64::from(is_hit(point));
-                } else if point.hits > 0 {
-                    failures.push(format!(
-                        "{}, line {}: an arm that is said to be out of reach was executed",
-                        point.module, point.line
-                    ));
+                } else if is_hit(point) {
+                    let CoveragePoint { module, line, name, .. } = point;
+                    failures.push(format!("{module}, line {line}: {name} is said to be out of reach and was reached"));
                 } else {
                     counts.unreachable += 1;
                 }
