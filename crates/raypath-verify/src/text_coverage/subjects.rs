@@ -42,8 +42,9 @@ pub fn subjects(level: Level) -> Result<Vec<Subject>, Error> {
         small.rounding(Rounding::Sum),
         small.culling(Culling::Front),
         small.conservative(true),
-        small.quantised_boxes(true),
-        small.exception_flags(true),
+        // Bounds of 8 bits need as many in the significand, and exceptions need binary32.
+        small.format(Format::BINARY16).quantised_boxes(true),
+        small.format(Format::BINARY32).exception_flags(true),
     ]);
     let mut subjects: Vec<Subject> = Vec::new();
     for config in configs {
@@ -51,7 +52,21 @@ pub fn subjects(level: Level) -> Result<Vec<Subject>, Error> {
             subjects.push(config.into());
         }
     }
-    let boxes = small.lanes(Lanes::None);
+    let boxes = small.lanes(Lanes::None).format(Format::BINARY16);
     subjects.extend(NAMES.iter().map(|name| Subject { added: vec![name.to_string()], ..boxes.into() }));
     Ok(subjects)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_subject_can_be_built() {
+        let subjects = subjects(Level::Full).expect("subjects");
+        assert!(subjects.len() > 45, "{}", subjects.len());
+        for subject in subjects {
+            subject.datapath().elaborate().unwrap_or_else(|problem| panic!("{subject}: {problem}"));
+        }
+    }
 }
