@@ -90,7 +90,7 @@ const FAILURES_SHOWN: usize = 8;
 const LIMIT: Duration = Duration::from_secs(600);
 
 /// Deliberate faults in the default configuration, each of which must be refuted.
-pub const FAULTS: &[TextFault] = &[
+const FAULTS: &[TextFault] = &[
     // A unit bound to the wrong operand.
     fault("raypath_stage_8", ".b_i (data_i.num[2])", ".b_i (data_i.num[3])"),
     // A multiplexer that selects another operation's operand.
@@ -109,6 +109,8 @@ pub const FAULTS: &[TextFault] = &[
     fault("raypath_output", "t_num        = data_i.num[1];", "t_num        = data_i.num[0];"),
     // A register that takes the wrong word.
     fault("raypath_skid", "arrives ? data_i : data_spare_q", "arrives ? data_spare_q : data_i"),
+    // A job that leaves early.
+    fault("raypath_stage_5", ".valid_i, .ready_i", ".valid_i (1'b1), .ready_i"),
 ];
 
 const fn fault(module: &'static str, from: &'static str, to: &'static str) -> TextFault {

@@ -4,7 +4,7 @@
 //! [`ITEMS`] are all items; `docs/development/verification.md` has their results.
 //!
 //! [`units`] checks the floating-point units against other implementations and by proof. [`control`] proves the
-//! pipeline's control, and [`dataflow`] that it computes its operations. `geometry` compares the operations with exact
+//! pipeline's control, and `dataflow` that it computes its operations. `geometry` compares the operations with exact
 //! arithmetic, [`models`] the models with an [`oracle`], and [`campaign`] the netlist with the models, under random
 //! [`stimuli`] whose [`coverage`] is counted.
 //! [`mutation`] measures how many faults the regression tests find, and [`parsers`] runs damaged files through every
@@ -15,7 +15,7 @@
 pub mod campaign;
 pub mod control;
 pub mod coverage;
-pub mod dataflow;
+mod dataflow;
 pub mod equivalence;
 mod error;
 mod files;

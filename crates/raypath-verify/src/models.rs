@@ -4,6 +4,7 @@
 //! every datapath of [`subjects`] runs some against the [exact one](crate::oracle).
 
 mod exact;
+mod failure;
 mod in_order;
 mod quick;
 
@@ -32,19 +33,4 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
         remarks: [many.remarks, each.remarks].concat(),
         is_stopped: each.is_stopped,
     })
-}
-
-/// A wrong outcome: the number of the chunk of jobs, the job's position in it, and what was found.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-struct Failure {
-    chunk: u64,
-    job: u64,
-    what: String,
-}
-
-impl Failure {
-    /// The first of two failures.
-    fn first(one: Option<Self>, other: Option<Self>) -> Option<Self> {
-        one.into_iter().chain(other).min_by_key(|failure| (failure.chunk, failure.job))
-    }
 }

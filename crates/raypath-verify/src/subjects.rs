@@ -23,7 +23,12 @@ pub struct Subject {
 impl Subject {
     /// The datapath of a request.
     pub fn of(request: &Request<'_>) -> Self {
-        Self { config: request.config, added: request.added.clone(), mistake: Mistake::ShortSignificand }
+        Self { added: request.added.clone(), ..Self::plain(request.config) }
+    }
+
+    /// A configuration without added operations.
+    pub fn plain(config: Config) -> Self {
+        Self { config, added: Vec::new(), mistake: Mistake::ShortSignificand }
     }
 
     /// The datapath.

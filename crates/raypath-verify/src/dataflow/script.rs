@@ -106,7 +106,8 @@ impl Script {
     /// The question whether one of the pairs can differ; its answer `unsat` means that none can.
     pub fn differs(&self, pairs: &[(String, Term, Term)]) -> String {
         let mut text = self.text();
-        let mut all = String::new();
+        // Bitwuzla refuses an `or` of one term.
+        let mut all = " false".to_string();
         for (number, (_, actual, expected)) in pairs.iter().enumerate() {
             let _ = writeln!(text, "(define-fun d{number} () Bool (distinct {actual} {expected}))");
             let _ = write!(all, " d{number}");
@@ -132,5 +133,29 @@ impl Script {
     fn next(&mut self, width: u32) -> Term {
         self.count += 1;
         Term { number: self.count, width }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raypath_tools::{SmtSolver, temporary_folder};
+    use std::sync::atomic::AtomicBool;
+    use std::time::Duration;
+
+    /// Both solvers read questions about one pair and about several.
+    #[test]
+    fn both_solvers_read_a_question() {
+        let mut script = Script::default();
+        let [one, zero] = ["#b1", "#b0"].map(|value| script.define(1, value.to_string()));
+        let same = ("same".to_string(), one, one);
+        let other = ("other".to_string(), one, zero);
+        let questions = [script.differs(std::slice::from_ref(&same)), script.differs(&[same, other])];
+        for solver in [SmtSolver::z3(), SmtSolver::bitwuzla()] {
+            let (solver, folder) = (solver.expect("Python's modules"), temporary_folder().expect("a folder"));
+            let go = AtomicBool::new(false);
+            let answers = solver.run(folder.path(), &questions, Duration::from_secs(60), &go).expect("no error");
+            assert_eq!(answers.expect("an answer").split_whitespace().collect::<Vec<_>>(), ["unsat", "sat"]);
+        }
     }
 }

@@ -1,16 +1,14 @@
 //! Datapaths of any configuration against the exact oracle.
 
-use super::Failure;
+use super::failure::{Failure, differs};
 use super::in_order::InOrder;
-use crate::files;
 use crate::layout::Layout;
 use crate::oracle::Oracle;
 use crate::stimuli::{Stimuli, splitmix64};
 use crate::subjects::Subject;
 use crate::{Error, Request, Verdict};
-use raypath_model::{Model, Shape, WordModel, Words};
+use raypath_model::{Shape, WordModel, Words};
 use raypath_sim::engine::shape;
-use raypath_sim::transactions::{Transaction, text};
 use raypath_tools::pool;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -83,7 +81,9 @@ pub fn verify(request: &mut Request<'_>, subjects: &[Subject], jobs: u64, folder
         format!("the comparison cannot fail: it does not refute the mistake {:?} in {subject}", subject.mistake)
     }));
     if let Some(wrong) = tally.wrong {
-        verdict.failures.push(stream(wrong.chunk)?.report(&wrong, folder)?);
+        let Stream { subject, ref model, .. } = stream(wrong.stream)?;
+        let jobs = stream(wrong.stream)?.jobs().take(wrong.job as usize + 1).collect();
+        verdict.failures.push(wrong.report(subject, model, jobs, seed, folder)?);
     }
     Ok(verdict)
 }
@@ -136,8 +136,8 @@ impl<'s> Stream<'s> {
     fn run(&self, length: u64) -> Option<Failure> {
         let (mut oracle, mut model) = (self.oracle(), self.model.clone());
         let mut cycles = InOrder::new(self.model.clone(), &self.shape);
-        let chunk = self.number;
-        let failure = |(job, what)| Some(Failure { chunk, job, what });
+        let stream = self.number;
+        let failure = |(job, what)| Some(Failure { stream, job, what });
         for (index, job) in (0..length).zip(self.jobs()) {
             match differs(&mut oracle, &mut model, &job) {
                 Err(what) => return failure((index, what)),
@@ -150,44 +150,4 @@ impl<'s> Stream<'s> {
         }
         cycles.finish().and_then(|what| failure((length - 1, what)))
     }
-
-    /// Writes the job with the wrong outcome, and the beats of its sum, as a transaction file with the oracle's
-    /// outcomes.
-    fn report(&self, wrong: &Failure, folder: &Path) -> Result<String, Error> {
-        let Failure { chunk, job, what } = wrong;
-        let mut jobs: Vec<Words> = self.jobs().take(*job as usize + 1).collect();
-        let kind = jobs.last().map(Words::kind);
-        jobs.retain(|job| Some(job.kind()) == kind);
-        let fails = |jobs: &[Words]| {
-            let (mut oracle, mut model) = (self.oracle(), self.model.clone());
-            jobs.iter().any(|job| differs(&mut oracle, &mut model, job).is_err())
-        };
-        // Earlier jobs matter for sums: the shortest sequence that still fails is enough.
-        let fewest = (0..jobs.len()).rev().find(|&first| fails(&jobs[first..])).unwrap_or(0);
-        let mut oracle = self.oracle();
-        let transaction = |(seq, job): (u64, &Words)| {
-            let expected = oracle.run(job).ok()?;
-            Some(Transaction { seq, category: 0, job: job.clone(), expected })
-        };
-        let stream: Vec<Transaction> = (0..).zip(&jobs[fewest..]).filter_map(transaction).collect();
-        let name = kind.map_or("none", |kind| kind.name());
-        let path = folder.join(format!("failure-models-{}-{chunk}", self.seed)).join(format!("{name}.txt"));
-        let text = kind.map(|kind| text(&self.model, kind, &stream, self.subject.config)).unwrap_or_default();
-        files::write(&path, &text)?;
-        let command = format!("raypath replay {} --engine model {}", path.display(), self.subject.options());
-        let (subject, jobs) = (self.subject, stream.len());
-        let command = command.trim_end();
-        Ok(format!(
-            "{subject}, stream {chunk}, job {job}: {what}\n           shrunk to {jobs} jobs; to replay it: {command}"
-        ))
-    }
-}
-
-/// Runs a job. The outcome, or how those of oracle and functional model differ.
-fn differs(oracle: &mut Oracle, model: &mut WordModel, job: &Words) -> Result<Words, String> {
-    let (expected, found) = (oracle.run(job)?, model.run(job));
-    if found == expected {
-        return Ok(found);
-    }
-    Err(format!("the functional model's outcome is {found:?}, the oracle's {expected:?}; the job is {job:?}"))
 }

@@ -1,20 +1,19 @@
 //! The paper's operations in the default configuration, in their own types, against the quick oracle: many jobs.
 
-use super::Failure;
+use super::failure::Failure;
 use super::in_order::InOrder;
 use crate::coverage::{Counted, Coverage, CoverageModel, JobPath};
-use crate::files;
 use crate::layout::Layout;
 use crate::oracle::{Oracle, quick};
 use crate::stimuli::{Stimuli, splitmix64};
+use crate::subjects::Subject;
 use crate::{Error, Request, Verdict};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_model::{Functional, OperationId, Shape, WordModel};
+use raypath_model::{Functional, OperationId, Shape, WordModel, Words};
 use raypath_ops::{Binary32, Job, JobKind, Rules};
 use raypath_rtl::Config;
 use raypath_sim::Datapath;
-use raypath_sim::transactions::{Transaction, text};
 use raypath_tools::pool;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -59,8 +58,8 @@ impl Tally {
 /// Runs the jobs.
 pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
     let jobs = request.jobs.unwrap_or(request.level.pick(8_000_000, 200_000_000, 1_000_000_000));
-    let subject = Subject::new();
-    let points = CoverageModel::new(CONFIG.semantics, &Shape::default(), &subject.model);
+    let datapath = DefaultDatapath::new();
+    let points = CoverageModel::new(CONFIG.semantics, &Shape::default(), &datapath.model);
     let cases = request.cases(jobs.div_ceil(JOBS_PER_CHUNK), 1);
     let seed = request.seed;
     let mut is_stopped = false;
@@ -69,7 +68,7 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
             let mut tally = Tally::new(&points);
             queue.run(|number, stop| {
                 tally.jobs += JOBS_PER_CHUNK;
-                if let Some(wrong) = Chunk::new(&subject, seed, number).run(&points, &mut tally.coverage) {
+                if let Some(wrong) = Chunk::new(&datapath, seed, number).run(&points, &mut tally.coverage) {
                     tally.wrong.get_or_insert(wrong);
                     stop.store(true, Ordering::Relaxed);
                 }
@@ -85,55 +84,30 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
     verdict.covered = format!("{jobs} jobs of {CONFIG} through quick oracle, functional and cycle-exact model");
     verdict.remarks.push(format!("{}, counted for one job in {COUNTED}", coverage.remark(&points, Counted::AtEntry)));
     if let Some(wrong) = wrong {
-        verdict.failures.push(report(&subject, seed, &wrong, folder)?);
+        let jobs = Chunk::new(&datapath, seed, wrong.stream).jobs_up_to(wrong.job);
+        verdict.failures.push(wrong.report(&Subject::plain(CONFIG), &datapath.model, jobs, seed, folder)?);
     }
     Ok(verdict)
 }
 
 /// The default datapath: its model, the layout of its jobs, and its operations in the order of their opcodes.
-struct Subject {
+struct DefaultDatapath {
     model: WordModel,
     layout: Layout,
     kinds: Vec<OperationId>,
 }
 
-impl Subject {
+impl DefaultDatapath {
     fn new() -> Self {
         let model = Datapath::paper(CONFIG).model();
         Self { layout: Layout::of(&model), kinds: model.kinds(), model }
     }
 }
 
-/// Writes the job with the wrong outcome, and the beats of its sum, as a transaction file with the oracle's outcomes.
-fn report(subject: &Subject, seed: u64, wrong: &Failure, folder: &Path) -> Result<String, Error> {
-    let Failure { chunk, job, what } = wrong;
-    let mut jobs = Chunk::new(subject, seed, *chunk).jobs_up_to(*job);
-    let kind = jobs.last().map_or(JobKind::Triangle, Job::kind);
-    jobs.retain(|job| job.kind() == kind);
-    let differs = |jobs: &[Job]| {
-        let (mut oracle, mut model) = (quick::Oracle::default(), Functional::<16, 8>::new(Rules::Paper));
-        jobs.iter().any(|job| oracle.run(job) != model.run(job))
-    };
-    // Earlier jobs matter for sums: the shortest sequence that still fails is enough.
-    let fewest = (0..jobs.len()).rev().find(|&first| differs(&jobs[first..])).unwrap_or(0);
-    let (mut oracle, model) = (quick::Oracle::default(), &subject.model);
-    let numbered = (0..).zip(&jobs[fewest..]);
-    let transaction = |(seq, job): (u64, &Job)| {
-        let expected = model.paper_outcome(&oracle.run(job))?;
-        Some(Transaction { seq, category: 0, job: model.paper_job(job)?, expected })
-    };
-    let stream: Vec<Transaction> = numbered.filter_map(transaction).collect();
-    let path = folder.join(format!("failure-models-{seed}-{chunk}")).join(format!("{kind}.txt"));
-    let text = model.kind(kind.name()).map(|kind| text(model, kind, &stream, CONFIG)).unwrap_or_default();
-    files::write(&path, &text)?;
-    let command = format!("raypath replay {} --engine model", path.display());
-    Ok(format!("chunk {chunk}, job {job}: {what}\n           shrunk to {} jobs; to replay it: {command}", stream.len()))
-}
-
 /// A sequence of jobs, reproducible by seed and number. Each job combines the fields of two jobs of a pool: generating
 /// every job anew would take longer than running it.
 struct Chunk<'s> {
-    subject: &'s Subject,
+    datapath: &'s DefaultDatapath,
     number: u64,
     stimuli: Stimuli<'s>,
     /// For each operation, in the order of the opcodes.
@@ -144,27 +118,27 @@ struct Chunk<'s> {
 
 impl<'s> Chunk<'s> {
     /// The chunk with this number.
-    fn new(subject: &'s Subject, seed: u64, number: u64) -> Self {
+    fn new(datapath: &'s DefaultDatapath, seed: u64, number: u64) -> Self {
         let own = splitmix64(splitmix64(seed).wrapping_add(1) ^ number);
-        let mut stimuli = Stimuli::new(&subject.layout, &subject.model, own);
+        let mut stimuli = Stimuli::new(&datapath.layout, &datapath.model, own);
         let mut job = |kind| {
             let mut words = Vec::new();
             stimuli.next_of(kind, &mut words);
             words
         };
-        let pool = subject.kinds.iter().map(|&kind| (0..POOL).map(|_| job(kind)).collect()).collect();
-        Self { subject, number, stimuli, pool, rng: ChaCha8Rng::seed_from_u64(splitmix64(own)), count: 0 }
+        let pool = datapath.kinds.iter().map(|&kind| (0..POOL).map(|_| job(kind)).collect()).collect();
+        Self { datapath, number, stimuli, pool, rng: ChaCha8Rng::seed_from_u64(splitmix64(own)), count: 0 }
     }
 
     /// Runs the chunk up to the first wrong outcome.
     fn run(mut self, points: &CoverageModel, coverage: &mut Coverage) -> Option<Failure> {
-        let model = &self.subject.model;
+        let model = &self.datapath.model;
         let (mut oracle, mut functional) = (quick::Oracle::default(), Functional::<16, 8>::new(Rules::Paper));
         let mut exact = Oracle::new(CONFIG.semantics, model);
         let mut cycles = InOrder::new(Functional::<16, 8>::new(Rules::Paper), &Shape::default());
         let mut words = Vec::new();
-        let chunk = self.number;
-        let failure = |job, what| Some(Failure { chunk, job, what });
+        let stream = self.number;
+        let failure = |job, what| Some(Failure { stream, job, what });
         while self.count < JOBS_PER_CHUNK {
             let index = self.count;
             let (kind, job) = self.next(&mut words);
@@ -192,15 +166,19 @@ impl<'s> Chunk<'s> {
     }
 
     /// The chunk's jobs up to this position, inclusive.
-    fn jobs_up_to(mut self, last: u64) -> Vec<Job> {
+    fn jobs_up_to(mut self, last: u64) -> Vec<Words> {
         let mut words = Vec::new();
-        (0..=last).map(|_| self.next(&mut words).1).collect()
+        let job = |_| {
+            let (kind, _) = self.next(&mut words);
+            self.datapath.model.job_of_words(kind, &words)
+        };
+        (0..=last).map(job).collect()
     }
 
     fn next(&mut self, words: &mut Vec<u64>) -> (OperationId, Job) {
         let dice: u64 = self.rng.random();
         let index = dice as usize % self.pool.len();
-        let kind = self.subject.kinds[index];
+        let kind = self.datapath.kinds[index];
         if self.count.is_multiple_of(REPLACED) {
             let place = (dice >> 2) as usize % POOL;
             self.stimuli.next_of(kind, &mut self.pool[index][place]);
