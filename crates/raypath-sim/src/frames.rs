@@ -23,7 +23,8 @@ pub struct Expected {
     pub input_ready: bool,
     /// The outcome, if `output_valid_o` is 1.
     pub output: Option<Words>,
-    encoding: PortEncoding,
+    /// The encoding of numbers at the ports.
+    pub encoding: PortEncoding,
 }
 
 /// The jobs of a simulation and their timing.

@@ -1,6 +1,7 @@
 //! SystemVerilog compiled by Verilator, and run as a process.
 
-use crate::files::{read, write};
+use crate::files::{read, temporary_folder, write};
+use crate::verilator_coverage::{CoveragePoint, NO_INLINING, points};
 use crate::{Program, Sources, ToolError, verilator_main, verilator_stream};
 use raypath_hdl::Module;
 use std::fs;
@@ -31,6 +32,9 @@ pub struct Options {
     pub native: bool,
     /// The number of compilers that run at a time.
     pub jobs: usize,
+    /// Whether lines, branches and toggles are counted, for [`Verilated::coverage`]. Such programs are many times as
+    /// large.
+    pub coverage: bool,
     /// A folder that keeps compiled programs, so that none is compiled twice from the same texts. By default the one
     /// that the environment variable `RAYPATH_VERILATED` names.
     pub kept: Option<PathBuf>,
@@ -39,7 +43,8 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         let jobs = std::thread::available_parallelism().map_or(1, usize::from);
-        Self { c_optimisation: 0, native: false, jobs, kept: std::env::var_os("RAYPATH_VERILATED").map(PathBuf::from) }
+        let kept = std::env::var_os("RAYPATH_VERILATED").map(PathBuf::from);
+        Self { c_optimisation: 0, native: false, jobs, coverage: false, kept }
     }
 }
 
@@ -107,6 +112,22 @@ impl Verilated {
         on_outputs: impl FnMut(usize, &[u64]),
     ) -> Result<(), ToolError> {
         self.run_from(&[initial_state(seed)], frames, on_outputs)
+    }
+
+    /// As [`run`](Self::run), with the coverage of the run: bits of a random initial state would count as toggles. The
+    /// program must have been built with [`Options::coverage`].
+    ///
+    /// # Errors
+    /// As for [`Self::run`]; the program counts nothing.
+    pub fn coverage(
+        &self,
+        frames: impl IntoIterator<Item = Vec<u64>, IntoIter: Send>,
+        on_outputs: impl FnMut(usize, &[u64]),
+    ) -> Result<Vec<CoveragePoint>, ToolError> {
+        let folder = temporary_folder()?;
+        let file = folder.path().join("coverage.dat");
+        self.run_from(&[ZEROS.to_string(), file.display().to_string()], frames, on_outputs)?;
+        points(&read(&file)?)
     }
 
     fn run_from(
@@ -262,6 +283,11 @@ fn compile(
         // limit 0, Verilator 5.006 splits the file at each constant.
         command.args(["--output-split", "1000000000"]);
     }
+    if options.coverage {
+        let no_inlining = folder.join("no_inlining.vlt");
+        write(&no_inlining, NO_INLINING)?;
+        command.arg("--coverage").arg(no_inlining);
+    }
     if options.native {
         command.args(["-CFLAGS", "-march=native"]);
     }
@@ -300,9 +326,9 @@ fn ended(program: &Path, output: String) -> ToolError {
 
 /// The place of the program of these texts in the folder of kept programs, if there is one.
 fn kept_program(files: &[PathBuf], top: &Module, main: &str, options: &Options) -> Result<Option<PathBuf>, ToolError> {
-    let Options { c_optimisation, native, kept: Some(folder), .. } = options else { return Ok(None) };
+    let Options { c_optimisation, native, coverage, kept: Some(folder), .. } = options else { return Ok(None) };
     let mut key = DefaultHasher::new();
-    (VERILATOR.version()?, top.name(), main, c_optimisation, native).hash(&mut key);
+    (VERILATOR.version()?, top.name(), main, c_optimisation, native, coverage).hash(&mut key);
     for file in files {
         read(file)?.hash(&mut key);
     }

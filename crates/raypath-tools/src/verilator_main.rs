@@ -9,8 +9,9 @@ use raypath_hdl::Module;
 ///
 /// The first argument is the seed of random values in registers and memories, or 0 for zeros.
 ///
-/// With a number as second argument, the program first reads all frames, runs them that many times and writes the
-/// seconds that each run took, a line each. This measures the model without the pipes.
+/// In a program that counts coverage, the second argument is the file to write it to. In another it is a number: the
+/// program first reads all frames, runs them that many times and writes the seconds that each run took, a line each.
+/// This measures the model without the pipes.
 pub fn main_file(top: &Module) -> String {
     let mut drive = String::new();
     let mut words = 0;
@@ -60,7 +61,7 @@ int main(int argc, char** argv) {{
   Vtop top{{&context}};
   static uint64_t in[{inputs}];
   static uint64_t out[{outputs}];
-{reset}  if (argc > 2) {{
+{reset}  if (argc > 2 && !VM_COVERAGE) {{
     std::vector<uint64_t> frames;
     while (std::fread(in, sizeof in, 1, stdin) == 1) frames.insert(frames.end(), in, in + {inputs});
     for (long times = std::strtol(argv[2], nullptr, 10); times > 0; --times) {{
@@ -79,6 +80,9 @@ int main(int argc, char** argv) {{
 {sample}    if (std::fwrite(out, sizeof out, 1, stdout) != 1) return 1;
 {rise}  }}
   top.final();
+#if VM_COVERAGE
+  if (argc > 2) context.coveragep()->write(argv[2]);
+#endif
   return std::fflush(stdout) == 0 ? 0 : 1;
 }}
 "#

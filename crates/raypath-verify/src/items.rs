@@ -4,7 +4,9 @@ use crate::units::Dividers;
 use crate::units::bench::Units;
 use crate::units::proofs;
 use crate::{Error, Request, Verdict};
-use crate::{campaign, control, dataflow, gates, geometry, models, mutation, parsers, reset, unit, units};
+use crate::{
+    campaign, control, dataflow, gates, geometry, models, mutation, parsers, reset, text_coverage, unit, units,
+};
 use raypath_float::Format;
 use std::path::Path;
 
@@ -209,6 +211,26 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/stimuli",
         ],
         run: |request| campaign::verify(request, Path::new(campaign::FOLDER)),
+    },
+    Item {
+        name: "text-coverage",
+        claim: "the stimuli of campaigns execute 99 % of the lines and branches of the emitted SystemVerilog, and toggle \
+            99 % of its bits, without what is proved to be out of reach; at level full for every preset, flow \
+            control, sharing, interval, unit latency, encoding, rule set, feature and added operation",
+        oracle: "Verilator's counters, while its outputs are those of the cycle-exact model; runs that leave out an \
+            operation, which must be below 99 %",
+        subject: &[
+            "crates/raypath-float/src",
+            "crates/raypath-hdl/src",
+            "crates/raypath-ops/src",
+            "crates/raypath-rtl/src",
+            "crates/raypath-tools/src/verilator.rs",
+            "crates/raypath-tools/src/verilator_coverage.rs",
+            "crates/raypath-tools/src/verilator_main.rs",
+            "crates/raypath-verify/src/text_coverage.rs",
+            "crates/raypath-verify/src/text_coverage",
+        ],
+        run: text_coverage::verify,
     },
     Item {
         name: "reset",

@@ -33,6 +33,7 @@ mod reset;
 pub mod sat;
 pub mod stimuli;
 pub mod subjects;
+mod text_coverage;
 pub mod unit;
 pub mod units;
 

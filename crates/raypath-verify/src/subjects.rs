@@ -44,6 +44,13 @@ impl Subject {
     }
 }
 
+/// A datapath without added operations.
+impl From<Config> for Subject {
+    fn from(config: Config) -> Self {
+        of(config, Mistake::TiesAway)
+    }
+}
+
 impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.config)?;

@@ -2,6 +2,7 @@
 
 mod clock_gates;
 mod compare;
+mod coverage;
 #[path = "../../../raypath-hdl/tests/common/operators.rs"]
 mod every;
 mod four_state;
