@@ -23,12 +23,7 @@ pub struct Subject {
 impl Subject {
     /// The datapath of a request.
     pub fn of(request: &Request<'_>) -> Self {
-        Self { added: request.added.clone(), ..Self::plain(request.config) }
-    }
-
-    /// A configuration without added operations.
-    pub fn plain(config: Config) -> Self {
-        Self { config, added: Vec::new(), mistake: Mistake::ShortSignificand }
+        Self { added: request.added.clone(), ..Self::from(request.config) }
     }
 
     /// The datapath.
@@ -47,7 +42,7 @@ impl Subject {
 /// A datapath without added operations.
 impl From<Config> for Subject {
     fn from(config: Config) -> Self {
-        of(config, Mistake::TiesAway)
+        of(config, Mistake::ShortSignificand)
     }
 }
 

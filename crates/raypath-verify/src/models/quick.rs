@@ -85,7 +85,7 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
     verdict.remarks.push(format!("{}, counted for one job in {COUNTED}", coverage.remark(&points, Counted::AtEntry)));
     if let Some(wrong) = wrong {
         let jobs = Chunk::new(&datapath, seed, wrong.stream).jobs_up_to(wrong.job);
-        verdict.failures.push(wrong.report(&Subject::plain(CONFIG), &datapath.model, jobs, seed, folder)?);
+        verdict.failures.push(wrong.report(&Subject::from(CONFIG), &datapath.model, jobs, seed, folder)?);
     }
     Ok(verdict)
 }
