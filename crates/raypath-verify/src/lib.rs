@@ -25,6 +25,7 @@ mod items;
 pub mod layout;
 pub mod models;
 pub mod mutation;
+pub mod operation_mutation;
 pub mod oracle;
 pub mod parsers;
 pub mod record;

@@ -53,7 +53,7 @@ impl Count {
 }
 
 /// The lowest score of the regression tests that passes, in hundredths of a percent.
-const MIN_SCORE: usize = 9_900;
+pub const MIN_SCORE: usize = 9_900;
 
 impl<'s> Report<'s> {
     pub fn new(subjects: &'s [Subject], total: usize) -> Self {
@@ -167,7 +167,8 @@ impl<'s> Report<'s> {
     }
 }
 
-fn percent(hundredths: usize) -> String {
+/// Hundredths of a percent in words.
+pub fn percent(hundredths: usize) -> String {
     format!("{}.{:02} %", hundredths / 100, hundredths % 100)
 }
 
