@@ -15,7 +15,7 @@ mod subjects;
 mod units;
 mod unrolled;
 
-pub use subjects::Subject;
+use subjects::Subject;
 
 use crate::control::{ModuleTexts, TextFault};
 use crate::{Error, Level, Request, Verdict};
@@ -37,27 +37,24 @@ use std::time::Duration;
 /// # Errors
 /// A program is missing or fails; a configuration cannot be elaborated.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let subjects = subjects::all(request.level, request.seed);
-    let faults: Vec<(u64, Subject, Option<TextFault>)> =
-        (0..).zip(FAULTS).map(|(number, fault)| (number, Subject::default(), Some(*fault))).collect();
-    let proofs = (FAULTS.len() as u64..).zip(subjects).map(|(number, subject)| (number, subject, None));
-    let shard = request.shard;
-    let work: Vec<_> = faults.into_iter().chain(proofs).filter(|(number, ..)| shard.takes(*number)).collect();
+    let (level, shard) = (request.level, request.shard);
+    // Bitwuzla takes several times as long as Z3.
+    let with_bitwuzla = [level > Level::Regression, level > Level::Full];
+    let [chosen, random] = [subjects::chosen(level), subjects::random(level, request.seed)];
+    let faults =
+        FAULTS.iter().map(|fault| Work { subject: Subject::default(), fault: Some(*fault), is_repeated: false });
+    let proofs = [chosen, random].into_iter().zip(with_bitwuzla).flat_map(|(subjects, is_repeated)| {
+        subjects.into_iter().map(move |subject| Work { subject, fault: None, is_repeated })
+    });
+    let work: Vec<(u64, Work)> = (0..).zip(faults.chain(proofs)).filter(|(number, _)| shard.takes(*number)).collect();
     let mut is_stopped = false;
-    let has_second_opinion = request.level > Level::Regression;
     let shards = request.parts.phase(|| {
-        let mut prover = DataflowProver::find()?;
-        if has_second_opinion {
-            prover = prover.with_second_opinion()?;
-        }
-        let run = |(_, subject, fault): &(u64, Subject, Option<TextFault>), stop: &AtomicBool| {
-            prover.prove(subject, *fault, stop)
-        };
-        let results = pool::map(&work, pool::ALL_CORES, request.proceed, run)?;
+        let prover = DataflowProver::find(level > Level::Regression)?;
+        let results = pool::map(&work, pool::ALL_CORES, request.proceed, |(_, work), stop| prover.prove(work, stop))?;
         is_stopped = results.iter().any(Option::is_none);
-        let results = work.iter().zip(results).filter_map(|((number, subject, fault), proved)| {
-            let result = proved.map(|proved| Tried { subject: subject.to_string(), proved });
-            result.map(|result| (*number, (result, fault.map(|fault| format!("{fault:?}")))))
+        let results = work.iter().zip(results).filter_map(|((number, work), proved)| {
+            let result = proved.map(|proved| Tried { subject: work.subject.to_string(), proved });
+            result.map(|result| (*number, (result, work.fault.map(|fault| format!("{fault:?}")))))
         });
         Ok::<BTreeMap<u64, (Tried, Option<String>)>, Error>(results.collect())
     })?;
@@ -77,7 +74,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     }
     failures.truncate(FAILURES_SHOWN);
     let mut covered = format!("{proved} operations and conversions of {configurations} configurations proved, ");
-    if has_second_opinion {
+    if level > Level::Regression {
         covered += &format!("{confirmed} of them also by Bitwuzla, ");
     }
     covered += &format!("{refuted} faults refuted");
@@ -117,6 +114,14 @@ const fn fault(module: &'static str, from: &'static str, to: &'static str) -> Te
     TextFault { module, from, to }
 }
 
+/// A proof, or a fault to refute.
+struct Work {
+    subject: Subject,
+    fault: Option<TextFault>,
+    /// Bitwuzla repeats the proofs.
+    is_repeated: bool,
+}
+
 /// What was tried of a configuration.
 #[derive(Serialize, Deserialize)]
 struct Tried {
@@ -126,18 +131,17 @@ struct Tried {
 
 /// The result of a configuration: how many problems it has, and what was not proved.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub struct Proved {
+struct Proved {
     /// The proved operations, and units of one operand with a definition.
-    pub problems: usize,
+    problems: usize,
     /// How many of these the second solver proved too.
-    pub confirmed: usize,
+    confirmed: usize,
     /// What is not proved, a line each.
-    pub failures: Vec<String>,
+    failures: Vec<String>,
 }
 
 /// Yosys and Z3, and Bitwuzla as a second opinion.
-#[derive(Debug)]
-pub struct DataflowProver {
+struct DataflowProver {
     yosys: Yosys,
     z3: SmtSolver,
     second: Option<SmtSolver>,
@@ -152,20 +156,13 @@ const TO_DESIGN: &str = "proc; flatten; memory; opt_clean; async2sync; dffunmap;
                          write_btor design.btor\n";
 
 impl DataflowProver {
-    /// Finds Python's modules `pyosys` and `z3`.
+    /// Finds Python's modules `pyosys` and `z3`, and `bitwuzla` for a second opinion.
     ///
     /// # Errors
     /// One is missing.
-    pub fn find() -> Result<Self, Error> {
-        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, z3: SmtSolver::z3()?, second: None })
-    }
-
-    /// Also finds Python's module `bitwuzla`, which repeats each proof.
-    ///
-    /// # Errors
-    /// It is missing.
-    pub fn with_second_opinion(self) -> Result<Self, Error> {
-        Ok(Self { second: Some(SmtSolver::bitwuzla()?), ..self })
+    fn find(has_second: bool) -> Result<Self, Error> {
+        let second = if has_second { Some(SmtSolver::bitwuzla()?) } else { None };
+        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, z3: SmtSolver::z3()?, second })
     }
 
     /// Proves all operations of a configuration; none if `stop` is set meanwhile. With a fault in the text, up to the
@@ -173,19 +170,15 @@ impl DataflowProver {
     ///
     /// # Errors
     /// A program fails; the configuration cannot be elaborated.
-    pub fn prove(
-        &self,
-        subject: &Subject,
-        fault: Option<TextFault>,
-        stop: &AtomicBool,
-    ) -> Result<Option<Proved>, Error> {
-        match self.proved(subject, fault, stop) {
+    fn prove(&self, work: &Work, stop: &AtomicBool) -> Result<Option<Proved>, Error> {
+        match self.proved(work, stop) {
             Err(Error::Tool(ToolError::Stopped)) => Ok(None),
             other => other.map(|proved| (!stop.load(Ordering::Relaxed)).then_some(proved)),
         }
     }
 
-    fn proved(&self, subject: &Subject, fault: Option<TextFault>, stop: &AtomicBool) -> Result<Proved, Error> {
+    fn proved(&self, work: &Work, stop: &AtomicBool) -> Result<Proved, Error> {
+        let Work { subject, fault, is_repeated } = work;
         let datapath = subject.elaborate()?;
         // A clock gate is an enable here, because there is one clock.
         let top = with_enables(datapath.top());
@@ -204,7 +197,7 @@ impl DataflowProver {
         }
         let mut proved = Proved::default();
         for problem in &problems {
-            match self.answer(problem, stop)? {
+            match self.answer(problem, *is_repeated, stop)? {
                 Answer::Proved { is_confirmed } => {
                     proved.problems += 1;
                     proved.confirmed += usize::from(is_confirmed);
@@ -246,8 +239,8 @@ impl DataflowProver {
         Design::read(&text("design.btor")?, &text("flat.json")?, top)
     }
 
-    /// Asks Z3, and the second solver if there is one. That solver may give no answer in time, but no other one.
-    fn answer(&self, problem: &Problem, stop: &AtomicBool) -> Result<Answer, Error> {
+    /// Asks Z3, and with `is_repeated` the second solver. That one may give no answer in time, but no other answer.
+    fn answer(&self, problem: &Problem, is_repeated: bool, stop: &AtomicBool) -> Result<Answer, Error> {
         let folder = temporary_folder()?;
         let questions = problem.questions();
         let name = &problem.name;
@@ -260,7 +253,9 @@ impl DataflowProver {
             ["sat", "sat"] => return failed(self.differences(problem, folder.path(), stop)?),
             _ => return failed(format!("Z3 answered '{}'", answers.trim())),
         }
-        let Some(second) = &self.second else { return Ok(Answer::Proved { is_confirmed: false }) };
+        let Some(second) = self.second.as_ref().filter(|_| is_repeated) else {
+            return Ok(Answer::Proved { is_confirmed: false });
+        };
         match second.run(folder.path(), &questions, LIMIT, stop)? {
             None => Ok(Answer::Proved { is_confirmed: false }),
             Some(answers) if answers.split_whitespace().eq(["sat", "unsat"]) => {

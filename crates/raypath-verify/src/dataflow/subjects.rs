@@ -39,11 +39,11 @@ impl fmt::Display for Subject {
     }
 }
 
-/// The subjects of a level.
+/// The chosen subjects of a level.
 ///
 /// Regression: some presets and representatives of the parameters. Full: all presets, every value of every parameter,
-/// all features, all added operations, automatic stages, and a random sample.
-pub(super) fn all(level: Level, seed: u64) -> Vec<Subject> {
+/// all features, all added operations, automatic stages.
+pub(super) fn chosen(level: Level) -> Vec<Subject> {
     let plain = Subject::from;
     let with = |config, added| Subject { config, added: Some(added), is_scheduled: false };
     let small = Config::DEFAULT.lanes(Lanes::Two);
@@ -70,10 +70,14 @@ pub(super) fn all(level: Level, seed: u64) -> Vec<Subject> {
     subjects.extend(Accumulators::ALL.iter().map(|&accumulators| plain(small.accumulators(accumulators))));
     subjects.extend([Lanes::Four, Lanes::Sixteen].map(|lanes| plain(small.lanes(lanes).rounding(Rounding::Sum))));
     subjects.extend(Interval::ALL.iter().map(|&interval| plain(Config::DEFAULT.interval(interval))));
+    subjects
+}
+
+/// The random subjects of a level.
+pub(super) fn random(level: Level, seed: u64) -> Vec<Subject> {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let sample = std::iter::repeat_with(|| sampled(random)).filter(|subject| subject.config.check().is_ok());
-    subjects.extend(sample.take(level.pick(0, SAMPLE, 4 * SAMPLE)));
-    subjects
+    sample.take(level.pick(0, SAMPLE, 4 * SAMPLE)).collect()
 }
 
 /// Random configurations at level full.
