@@ -1,5 +1,5 @@
-//! Mutation of the printer: each of its translations is broken once in the printed text, and the comparison of Verilator
-//! with the netlist simulator must show it.
+//! Mutation of the printer: each of its translations is broken once in the printed text, and the comparison of
+//! Verilator with the netlist simulator must show it.
 //!
 //! All faults are in one text, each at an output of its own, so that Verilator compiles once. An output without a fault
 //! must agree.

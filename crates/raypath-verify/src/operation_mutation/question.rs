@@ -88,8 +88,8 @@ const PREAMBLE: &str = "(define-sort Number () (_ FloatingPoint 8 24))
 /// Where two dataflows are compared, and what is known there. A proof with less is a proof, and is found sooner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
-    /// At the last value that all effects of the fault pass, else at the outputs. Numbers that the fault does not affect
-    /// may be any but NaN, where a lemma says so.
+    /// At the last value that all effects of the fault pass, else at the outputs. Numbers that the fault does not
+    /// affect may be any but NaN, where a lemma says so.
     Near,
     /// At that value. Only sums, products and roundings that the fault does not affect may be any.
     Cut,
@@ -166,8 +166,8 @@ fn is_free_number(graph: &Graph, id: Id) -> bool {
     op.kind() == Kind::Number && !op.is_constant() && !matches!(op, Op::Input(..) | Op::State(_))
 }
 
-/// The script: `unsat` if the fault changes no output and no next state. None if the effects of the fault pass no single
-/// value.
+/// The script: `unsat` if the fault changes no output and no next state. None if the effects of the fault pass no
+/// single value.
 pub fn question(known: Known<'_>, faulty: &Graph, scope: Scope) -> Option<String> {
     let Known { graph, lemmas } = known;
     let is_behind = behind(graph, faulty);
