@@ -96,6 +96,11 @@ impl Fault {
         }
     }
 
+    /// Whether an operand of an operator is stuck at 1.
+    pub fn is_operand_at_one(&self) -> bool {
+        matches!(self.change, Change::OperandOnes { .. })
+    }
+
     /// The module with this fault.
     ///
     /// # Errors
