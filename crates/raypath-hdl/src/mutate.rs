@@ -96,9 +96,9 @@ impl Fault {
         }
     }
 
-    /// Whether an operand of an operator is stuck at 1.
-    pub fn is_operand_at_one(&self) -> bool {
-        matches!(self.change, Change::OperandOnes { .. })
+    /// Whether an operand of an operator is stuck at 1, or is another signal.
+    pub fn replaces_operand(&self) -> bool {
+        matches!(self.change, Change::OperandOnes { .. } | Change::OperandOther { .. })
     }
 
     /// The module with this fault.

@@ -76,7 +76,7 @@ fn exchanges_operands(module: &Module, fault: &Fault) -> bool {
 }
 
 /// A random sample of about `count` faults: a few of every module, and the rest in proportion to the modules' faults.
-/// If there are more modules than `count`, one fault each of `count` modules. Operands that are stuck at 1 are taken out
+/// If there are more modules than `count`, one fault each of `count` modules. Operands stuck at 1 or from a wrong net are taken out
 /// of the sample.
 pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> {
     const A_FEW: usize = 5;
@@ -91,7 +91,7 @@ pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> 
         faults.shuffle(&mut rng);
         let taken = faults.into_iter().take(share).map(|fault| Mutant { subject, fault });
         // docs/development/verification.md has the score and the reason.
-        mutants.extend(taken.filter(|mutant| !mutant.fault.is_operand_at_one()));
+        mutants.extend(taken.filter(|mutant| !mutant.fault.replaces_operand()));
     }
     mutants.shuffle(&mut rng);
     if count < subjects.len() {
