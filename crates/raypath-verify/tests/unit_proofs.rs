@@ -1,9 +1,10 @@
-//! Proofs of units at level `regression`: the claims hold, and claims about faulty units are refuted.
+//! Proofs of units: multiplication at level `regression`, and claims about faulty units, which are refuted. The item
+//! `unit-proofs` proves the others.
 
 use raypath_float::Format;
+use raypath_verify::Request;
 use raypath_verify::sat::{Miter, ProofResult, Prover, SOURCE};
 use raypath_verify::units::proofs::{Claim, Subject, check, multiplication, unit_proofs};
-use raypath_verify::{Progress, Request};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -22,22 +23,6 @@ fn circuit(text: &str, commands: &[&str]) -> Miter {
 
 fn solve(problem: Miter) -> Result<Vec<ProofResult>, raypath_verify::Error> {
     Prover::find()?.solve(&[problem], LIMIT, &AtomicBool::new(false))
-}
-
-#[test]
-fn every_claim_is_proved_and_its_fault_found() {
-    let mut steps = Vec::new();
-    let mut watch = |step: Progress| {
-        steps.push(step.done);
-        true
-    };
-    let verdict = unit_proofs(&mut Request::new(&mut watch)).unwrap();
-    assert_eq!(verdict.failures, [""; 0]);
-    assert!(verdict.covered.starts_with("20 proofs, and as many faults refuted: "), "{}", verdict.covered);
-    // The programs' versions, the certificates, and a fault for each proof.
-    let certified = "20 proofs repeated by CaDiCaL, each step of their certificates checked";
-    assert_eq!((verdict.remarks.len(), verdict.remarks[1].as_str()), (22, certified), "{:#?}", verdict.remarks);
-    assert!(!verdict.is_stopped && steps.contains(&20));
 }
 
 /// The multipliers of binary32, of gates and with `*`, with a fault for each lemma.
