@@ -2,7 +2,7 @@
 # Every test. Installs missing programs with scripts/install-packages.sh.
 #   ./test.sh                        all tests, and `raypath verify` at level regression
 #   ./test.sh --quick                format, clippy and unit tests: the inner loop
-#   ./test.sh --long                 also runs long tests, verifies at level full, half an hour, fuzzes for an hour, and checks licences
+#   ./test.sh --long                 also runs long tests, verifies at level full, hours, fuzzes for an hour, and checks licences
 #   RAYPATH_GOLDEN=DIR ./test.sh     also replays the whole set of golden vectors in DIR
 set -euo pipefail
 cd "$(dirname "$0")"

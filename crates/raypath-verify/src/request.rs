@@ -49,7 +49,7 @@ pub enum Level {
     /// Seconds for each item, minutes in all: what `./test.sh` runs.
     #[default]
     Regression,
-    /// Minutes for each item, half an hour in all: before a release.
+    /// Minutes for most items, hours in all: before a release.
     Full,
     /// Hours: once for each version of the arithmetic.
     Long,

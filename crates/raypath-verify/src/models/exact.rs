@@ -81,9 +81,9 @@ pub fn verify(request: &mut Request<'_>, subjects: &[Subject], jobs: u64, folder
         format!("the comparison cannot fail: it does not refute the mistake {:?} in {subject}", subject.mistake)
     }));
     if let Some(wrong) = tally.wrong {
-        let Stream { subject, ref model, .. } = stream(wrong.stream)?;
-        let jobs = stream(wrong.stream)?.jobs().take(wrong.job as usize + 1).collect();
-        verdict.failures.push(wrong.report(subject, model, jobs, seed, folder)?);
+        let stream = stream(wrong.stream)?;
+        let jobs = stream.jobs().take(wrong.job as usize + 1).collect();
+        verdict.failures.push(wrong.report(stream.subject, &stream.model, jobs, seed, folder)?);
     }
     Ok(verdict)
 }
