@@ -5,7 +5,7 @@ use crate::function::truth_table;
 use crate::liberty::{self, Group};
 use crate::logic::{ClockGate, Logic};
 use raypath_tools::{Program, ToolError, digest, text};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -83,7 +83,7 @@ impl Library {
     ///
     /// # Errors
     /// The file cannot be read, is not a Liberty file, or is larger than 256 MiB when unpacked; the library lacks a
-    /// buffer or a NAND of two inputs; an area or a capacitance is not a number.
+    /// buffer or a NAND of two inputs; an area or a capacitance is not a number; two cells have the same name.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let refused = |problem: std::io::Error| match problem.kind() {
             std::io::ErrorKind::NotFound if path == Path::new(DEFAULT_LIBRARY) => ToolError::Missing(&OSU018),
@@ -114,9 +114,13 @@ impl Library {
             let line = text[..group.span.start].matches('\n').count() + 1;
             Error::Liberty { path: path.to_path_buf(), line, found, expected }
         };
+        let mut names = HashSet::new();
         for cell in &used {
             if let Some(found) = invalid_number(cell) {
                 return Err(wrong(cell, found, "a number from 0 to 1e12"));
+            }
+            if !names.insert(cell.name()) {
+                return Err(wrong(cell, format!("another cell {}", shortened(cell.name())), "one cell of each name"));
             }
         }
         let missing = |what: &str| Error::MissingCell { path: path.to_path_buf(), what: what.to_string() };

@@ -38,6 +38,13 @@ fn invalid_numbers_are_refused() {
     assert!(error.starts_with("small.lib:3: found a load of inf fF"), "{error}");
 }
 
+/// The second cell's area would count for the first one, which was chosen for its own.
+#[test]
+fn two_cells_of_one_name_are_refused() {
+    let error = read(&CELLS.replace("cell (OTHER) { area : 1;", "cell (NAND) { area : 0;")).expect_err("two NANDs");
+    assert_eq!(error, "small.lib:8: found another cell NAND, expected one cell of each name");
+}
+
 /// A message shows the beginning of the found text, with control characters escaped.
 #[test]
 fn messages_are_short_and_harmless() {
