@@ -88,6 +88,14 @@ impl Fault {
         &self.module
     }
 
+    /// The number of an instance and of two of its inputs, if the fault exchanges these.
+    pub fn exchanged_inputs(&self) -> Option<(usize, [usize; 2])> {
+        match self.change {
+            Change::PortsExchanged { instance, inputs } => Some((instance, inputs)),
+            _ => None,
+        }
+    }
+
     /// The module with this fault.
     ///
     /// # Errors

@@ -6,7 +6,8 @@ use crate::control::together;
 use crate::equivalence::Equivalence;
 use crate::error::Error;
 use crate::sat::Prover;
-use raypath_hdl::Module;
+use raypath_float::{Format, encode};
+use raypath_hdl::{Builder, Module, Port};
 use raypath_sim::engine::NetlistEngine;
 use raypath_sim::lockstep::{FailedCheck, RegressionChecks};
 use std::sync::Arc;
@@ -63,7 +64,7 @@ impl Trial<'_> {
     /// The result of a mutant that passes all checks.
     fn proof(&self, proves_modules: bool) -> Result<MutantResult, Error> {
         let original = &self.subject.module;
-        if is_equivalent_for_jobs(self.subject, &self.module, &self.top) {
+        if is_equivalent_for_jobs(self.subject, &self.module, &self.top)? {
             return Ok(MutantResult::Equivalent("for every job".into()));
         }
         let is_small = self.subject.unit.is_some() || original.instances().is_empty();
@@ -74,7 +75,9 @@ impl Trial<'_> {
         if original.name() == self.subject.datapath.top.name() {
             return Ok(survived("not proven for every job"));
         }
-        match compared(original, &self.module) {
+        let format = self.subject.datapath.config.semantics.format;
+        let [original, changed] = [&self.subject.module, &self.module].map(|module| on_numbers(module, format));
+        match compared(&original?, &changed?) {
             Ok(Equivalence::Proved) => Ok(MutantResult::Equivalent("as modules".into())),
             Ok(Equivalence::Different(_)) => Ok(survived("different as modules")),
             Ok(Equivalence::Undecided(why)) => Ok(survived(&format!("undecided as modules: {why}"))),
@@ -88,8 +91,37 @@ fn survived(what: &str) -> MutantResult {
     MutantResult::Survived(what.to_string())
 }
 
+/// A floating-point unit with operands that encode any numbers of the format in any way. Other words have no meaning for
+/// a unit, and no unit gives them. Any other module, or part of a unit without operands, as it is.
+fn on_numbers(unit: &Arc<Module>, format: Format) -> Result<Arc<Module>, Error> {
+    let width = format.recoded_width();
+    let is_operand = |port: &Port| {
+        ["a_i", "b_i", "recoded_i"].contains(&port.name.as_str()) && unit.port_width(&port.name) == Some(width)
+    };
+    if !unit.name().starts_with("raypath_fp_") || !unit.inputs().iter().all(is_operand) {
+        return Ok(unit.clone());
+    }
+    let encode = encode(format)?;
+    let m = Builder::new(&format!("{}_on_numbers", unit.name()));
+    let mut operands = Vec::new();
+    for port in unit.inputs() {
+        let number = m.input(&format!("number_{}", port.name), format.ieee_width());
+        let word = m.instance(&format!("u_encode_{}", port.name), &encode, &[("ieee_i", number)])[0];
+        // Zeros and infinities ignore the bits below the class; NaNs ignore the sign too.
+        let class = word.lower(width - 1).upper(3);
+        let [zero, infinite, nan] = [0, 6, 7].map(|value| class.equals(m.constant(3, value)));
+        let ignored = (zero | infinite | nan).replicate(width - 4);
+        let ignored = m.concat(&[nan, m.constant(3, 0), ignored]);
+        operands.push((port.name.as_str(), word ^ (m.input(&format!("any_{}", port.name), width) & ignored)));
+    }
+    for (port, result) in unit.outputs().iter().zip(m.instance("u_unit", unit, &operands)) {
+        m.output(&port.name, result);
+    }
+    Ok(m.finish()?)
+}
+
 /// Compares two modules, within [`LIMIT`].
-fn compared(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Equivalence, Error> {
+pub fn compared(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Equivalence, Error> {
     let prover = Prover::find()?;
     let stop = AtomicBool::new(false);
     let (done, is_done) = mpsc::channel::<()>();
