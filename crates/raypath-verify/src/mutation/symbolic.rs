@@ -20,51 +20,68 @@ use crate::error::Error;
 use crate::sat::{ProofResult, Prover};
 use folded::Rounds;
 use raypath_hdl::{Driver, Module, RegisterInfo, SignalId};
+use raypath_ops::JobKind;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// Whether the proof shows that a fault changes no job's outcome. It does not apply to faults in units and control, or
-/// to a datapath with memories.
-pub fn is_equivalent_for_jobs(
-    subject: &Subject,
-    changed: &Arc<Module>,
-    changed_top: &Arc<Module>,
-) -> Result<bool, Error> {
+/// What the proof shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effect {
+    /// The fault changes no job's outcome.
+    None,
+    /// The fault may change outcomes, but no enable, reset or handshake.
+    Data,
+    /// The fault may change anything; or it is in a unit or in control, or the datapath has memories.
+    Any,
+}
+
+/// What a fault can change, by the proof.
+pub fn effect(subject: &Subject, changed: &Arc<Module>, changed_top: &Arc<Module>) -> Result<Effect, Error> {
     let (datapath, original) = (&subject.datapath, &subject.module);
     if is_unit(original) || is_control(original) || datapath.top.memory_bits() > 0 {
-        return Ok(false);
+        return Ok(Effect::Any);
     }
     let mut logic = Logic::default();
-    // Pairs of functions that must be equal, and are not so by their structure.
-    let mut open: Vec<[Literal; 2]> = Vec::new();
-    let mut compare = |a: Vec<Word>, b: Vec<Word>| {
-        let is_alike = a.iter().map(Word::len).eq(b.iter().map(Word::len));
-        let bits = a.into_iter().flatten().zip(b.into_iter().flatten());
-        open.extend(bits.filter(|(a, b)| a != b).map(|(a, b)| [a, b]));
-        is_alike
-    };
-    for kind in datapath.config.kinds() {
-        let job = Job { opcode: kind.opcode(), path: None, rounds: None, faulty: original.name() };
-        let rounds = Rounds::new(&datapath.shape);
-        let passes_rounds = rounds.is_some() && !is_exit(original);
-        let mut control = |module: &Arc<Module>| SymbolicJob::new(&mut logic, module, job).control(passes_rounds);
-        if !compare(control(original), control(changed)) {
-            return Ok(false);
-        }
+    let rounds = Rounds::new(&datapath.shape);
+    let passes_rounds = rounds.is_some() && !is_exit(original);
+    let job = |kind: JobKind| Job { opcode: kind.opcode(), path: None, rounds: None, faulty: original.name() };
+    let mut open = Vec::new();
+    for &kind in datapath.config.kinds() {
+        let mut control =
+            |module: &Arc<Module>| SymbolicJob::new(&mut logic, module, job(kind)).control(passes_rounds);
+        open.push(unequal(control(original), control(changed)));
+    }
+    if !are_equal(&logic, open)? {
+        return Ok(Effect::Any);
+    }
+    let mut open = Vec::new();
+    for &kind in datapath.config.kinds() {
         for path in slot_paths(original) {
-            let job = Job { path: Some(path), rounds, ..job };
+            let job = Job { path: Some(path), rounds, ..job(kind) };
             let mut outcome = |top: &Arc<Module>| SymbolicJob::new(&mut logic, top, job).outcome();
-            if !compare(outcome(&datapath.top), outcome(changed_top)) {
-                return Ok(false);
-            }
+            open.push(unequal(outcome(&datapath.top), outcome(changed_top)));
         }
     }
-    if open.is_empty() {
+    Ok(if are_equal(&logic, open)? { Effect::None } else { Effect::Data })
+}
+
+/// The pairs of functions that are not equal by their structure; None if the words have other widths.
+fn unequal(a: Vec<Word>, b: Vec<Word>) -> Option<Vec<[Literal; 2]>> {
+    let is_alike = a.iter().map(Word::len).eq(b.iter().map(Word::len));
+    let bits = a.into_iter().flatten().zip(b.into_iter().flatten());
+    is_alike.then(|| bits.filter(|(a, b)| a != b).map(|(a, b)| [a, b]).collect())
+}
+
+/// Whether ABC proves that the functions of each pair are equal.
+fn are_equal(logic: &Logic, pairs: Vec<Option<Vec<[Literal; 2]>>>) -> Result<bool, Error> {
+    let Some(pairs) = pairs.into_iter().collect::<Option<Vec<_>>>() else { return Ok(false) };
+    let pairs = pairs.concat();
+    if pairs.is_empty() {
         return Ok(true);
     }
-    let found = Prover::find()?.solve(&[logic.miter(&open)], LIMIT, &AtomicBool::new(false))?;
+    let found = Prover::find()?.solve(&[logic.miter(&pairs)], LIMIT, &AtomicBool::new(false))?;
     Ok(matches!(found.as_slice(), [ProofResult::Proved { .. }]))
 }
 
