@@ -186,3 +186,18 @@ impl OperationVisitor for Problems<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In folded pipelines with automatic stages a step can read a register and encode the next value of the same one.
+    #[test]
+    fn automatic_stages_can_be_built() {
+        for subject in random(Level::Full, 1).iter().filter(|subject| subject.is_scheduled) {
+            if let Err(problem) = subject.elaborate() {
+                panic!("{subject}: {problem}");
+            }
+        }
+    }
+}
