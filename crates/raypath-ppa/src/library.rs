@@ -5,7 +5,7 @@ use crate::function::truth_table;
 use crate::liberty::{self, Group};
 use crate::logic::{ClockGate, Logic};
 use raypath_tools::{Program, ToolError, digest, text};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -114,12 +114,12 @@ impl Library {
             let line = text[..group.span.start].matches('\n').count() + 1;
             Error::Liberty { path: path.to_path_buf(), line, found, expected }
         };
-        let mut names = HashSet::new();
+        let mut cells = BTreeMap::new();
         for cell in &used {
             if let Some(found) = invalid_number(cell) {
                 return Err(wrong(cell, found, "a number from 0 to 1e12"));
             }
-            if !names.insert(cell.name()) {
+            if cells.insert(cell.name().to_string(), Cell::of(cell)).is_some() {
                 return Err(wrong(cell, format!("another cell {}", shortened(cell.name())), "one cell of each name"));
             }
         }
@@ -141,7 +141,6 @@ impl Library {
         let buffer = buffer.name().to_string();
         let (tie, clock_gate) = (tie(&used), clock_gate(&used));
         let femtofarads = femtofarads(&library);
-        let cells = used.iter().map(|cell| (cell.name().to_string(), Cell::of(cell))).collect();
         let name = library.name().to_string();
 
         let mut kept = String::with_capacity(text.len());

@@ -166,7 +166,7 @@ impl<'m, 'p> Folded<'m, 'p> {
         match (before, plan.encoding(step)) {
             (Encoding::Ieee, Encoding::Recoded) if residents.iter().all(|r| self.is_moved(r.op, r.id)) => {
                 let ieee = self.choose(residents, &mut |op, id| self.moved(op, id, wires))?;
-                // `u_encode_` and a name is the encoder of the register that the step reads.
+                // The step can also read the register of this name before it, through `u_encode_{name}`.
                 let name = format!("u_encode_next_{name}");
                 Ok(ieee.map(|ieee| m.instance(&name, &library.encode, &[("ieee_i", ieee)])[0]))
             }
