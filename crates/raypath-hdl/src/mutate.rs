@@ -10,6 +10,7 @@ mod well_formed;
 use crate::Error;
 use crate::builder::describe;
 use crate::netlist::{Driver, Module, SignalId};
+use crate::text::Text;
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
@@ -36,14 +37,28 @@ pub(crate) enum Change {
     OperandInverted { signal: SignalId, operand: SignalId },
     /// The signal reads zero instead of an operand.
     OperandZero { signal: SignalId, operand: SignalId },
+    /// The signal reads ones instead of an operand.
+    OperandOnes { signal: SignalId, operand: SignalId },
+    /// The signal reads another signal of the same width instead of an operand.
+    OperandOther { signal: SignalId, operand: SignalId, with: SignalId },
+    /// The signal, a shift, is shifted by one more.
+    ShiftedMore { signal: SignalId },
     /// The register takes its next value in every cycle.
     AlwaysLoads { register: usize },
     /// The register never takes a next value.
     NeverLoads { register: usize },
     /// The register has another value after reset.
     Reset { register: usize, was: u64, becomes: u64 },
+    /// The register, which has a reset, keeps its value in it.
+    NoReset { register: usize },
     /// An instance reads zero at an input port.
     PortZero { instance: usize, input: usize },
+    /// An instance reads ones at an input port.
+    PortOnes { instance: usize, input: usize },
+    /// Two inputs of an instance are exchanged.
+    PortsExchanged { instance: usize, inputs: [usize; 2] },
+    /// Two outputs of an instance are exchanged.
+    OutputsExchanged { instance: usize, outputs: [usize; 2] },
     /// An input of a memory has these bits only.
     MemoryMasked { memory: usize, input: usize, mask: u64 },
     /// An enable of a memory is always 1.
@@ -59,10 +74,11 @@ pub(crate) enum Change {
 /// `All` and names inverted, `Less` with its operands exchanged, `Any` for `All` and the reverse; multiplexers with an
 /// inverted select, or stuck at one side; arms of a `Case` exchanged with the next, left out, or taken by default;
 /// constants one more, one less, or with one bit flipped; slices one bit higher or lower; the other shift; neighbours
-/// of a `Concat` exchanged where they are as wide as each other; `Not` left out; any operand replaced by zero;
-/// registers that load always or never, or have another reset value; ports of instances at zero; enables of memories
-/// stuck at 0 or 1, each bit of an address and each written column at zero, and addresses and neighbouring columns of
-/// equal widths exchanged.
+/// of a `Concat` exchanged where they are as wide as each other; `Not` left out; a shift by one more; any operand
+/// replaced by zero, by ones, or by the nearest earlier signal of its width; registers that load always or never, or
+/// have another reset value or none; ports of instances at zero or ones, and exchanged with the next of their width;
+/// enables of memories stuck at 0 or 1, each bit of an address and each written column at zero, and addresses and
+/// neighbouring columns of equal widths exchanged.
 pub fn faults(module: &Module) -> Vec<Fault> {
     list::faults(module)
 }
@@ -71,6 +87,14 @@ impl Fault {
     /// The name of the module that it changes.
     pub fn module(&self) -> &str {
         &self.module
+    }
+
+    /// The number of an instance and of two of its inputs, if the fault exchanges these.
+    pub fn exchanged_inputs(&self) -> Option<(usize, [usize; 2])> {
+        match self.change {
+            Change::PortsExchanged { instance, inputs } => Some((instance, inputs)),
+            _ => None,
+        }
     }
 
     /// The module with this fault.
@@ -107,6 +131,19 @@ impl Change {
             Self::Inverted { .. } => "inverted".to_string(),
             Self::OperandInverted { operand, .. } => format!("{} inverted", describe(module, *operand)),
             Self::OperandZero { operand, .. } => format!("{} replaced by zero", describe(module, *operand)),
+            Self::OperandOnes { operand, .. } => format!("{} stuck at 1", describe(module, *operand)),
+            Self::OperandOther { operand, with, .. } => {
+                format!("reads {} instead of {}", describe(module, *with), describe(module, *operand))
+            }
+            Self::ShiftedMore { .. } => "shifts by one more".to_string(),
+            Self::NoReset { .. } => "does not reset".to_string(),
+            Self::PortOnes { .. } => "stuck at 1".to_string(),
+            Self::PortsExchanged { instance, inputs: [_, other] } => {
+                format!("exchanged with {}", module.instances[*instance].module.inputs[*other].name)
+            }
+            Self::OutputsExchanged { instance, outputs: [_, other] } => {
+                format!("exchanged with {}", module.instances[*instance].module.outputs[*other].name)
+            }
             Self::AlwaysLoads { .. } => "loads in every cycle".to_string(),
             Self::NeverLoads { .. } => "never loads".to_string(),
             Self::Reset { was, becomes, .. } => format!("resets to {becomes} instead of {was}"),
@@ -133,6 +170,20 @@ pub fn replace(top: &Arc<Module>, new: &Arc<Module>) -> Result<Arc<Module>, Erro
         let problem = "is the name of no module in it".to_string();
         Err(Error::Name { module: top.name().to_string(), name: new.name().to_string(), problem })
     }
+}
+
+/// `top` with texts that are those of the netlist alone, in all its modules: no structures, no package, no banks. A module
+/// with a fault has such a text, and other modules must instantiate the same ones as it does.
+pub fn without_text(top: &Arc<Module>) -> Arc<Module> {
+    fn of(module: &Arc<Module>, known: &mut HashMap<*const Module, Arc<Module>>) -> Arc<Module> {
+        if let Some(made) = known.get(&Arc::as_ptr(module)) {
+            return made.clone();
+        }
+        let mut plain = Module { text: Text::default(), ..Module::clone(module) };
+        plain.instances.iter_mut().for_each(|instance| instance.module = of(&instance.module, known));
+        known.entry(Arc::as_ptr(module)).or_insert(Arc::new(plain)).clone()
+    }
+    of(top, &mut HashMap::new())
 }
 
 struct Replacement<'n> {

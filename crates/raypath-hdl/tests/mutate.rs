@@ -2,7 +2,7 @@
 //! hierarchy.
 
 use raypath_hdl::mutate::{Fault, faults, replace};
-use raypath_hdl::{Builder, Driver, Error, Label, Module, Simulator, verilog};
+use raypath_hdl::{Builder, Driver, Error, LANES, Label, LaneSimulator, Module, Simulator, verilog};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -64,6 +64,10 @@ fn every_kind_of_driver_has_its_faults() {
         ("less_o", "operands of Less exchanged"),
         ("any_o", "Any becomes All"),
         ("all_o", "All becomes Any"),
+        ("and_o", "a_i stuck at 1"),
+        ("sub_o", "reads"),
+        ("left_o", "shifts by one more"),
+        ("right_o", "shifts by one more"),
         ("left_o", "shifts right"),
         ("right_o", "shifts left"),
         ("mux_o", "s_i inverted"),
@@ -183,6 +187,37 @@ fn every_fault_of_a_module_shows_in_its_text_and_in_what_it_does() {
     assert!(faults.len() > 50, "{}", faults.len());
 }
 
+/// What a wrong translation by one simulator computes is what the netlist with a fault does: the comparison with the
+/// other simulator shows each.
+#[test]
+fn a_wrong_translation_shows_in_the_comparison_of_the_simulators() {
+    let module = everything();
+    let (right, compiled) = (in_lanes(&module), behaviour(&module).1);
+    assert_eq!(right, compiled);
+    for fault in faults(&module) {
+        let faulty = Arc::new(fault.apply(&module).expect("a faulty module"));
+        assert_ne!(in_lanes(&faulty), compiled, "{fault}");
+        assert_ne!(behaviour(&faulty).1, right, "{fault}");
+    }
+}
+
+/// The outputs of [`behaviour`], in one of the lanes of the simulator of many stimuli.
+fn in_lanes(module: &Arc<Module>) -> Vec<u64> {
+    let mut simulator = LaneSimulator::new(module).expect("a simulator");
+    let inputs: Vec<_> = module.inputs().iter().map(|port| simulator.input(&port.name).expect("an input")).collect();
+    let outputs: Vec<_> =
+        module.outputs().iter().map(|port| simulator.output(&port.name).expect("an output")).collect();
+    let mut shown = Vec::new();
+    for number in 0..1 << 9 {
+        for (&input, low) in inputs.iter().zip([0, 4, 8]) {
+            simulator.set(input, &[number >> low; LANES]);
+        }
+        simulator.cycle();
+        shown.extend(outputs.iter().map(|&output| simulator.get(output)[LANES / 2]));
+    }
+    shown
+}
+
 /// `outer` has two instances of `middle`, which has one of `inner`, and an instance of `other`.
 fn hierarchy() -> (Arc<Module>, Arc<Module>) {
     let m = Builder::new("inner");
@@ -226,8 +261,8 @@ fn a_faulty_module_replaces_the_original_in_every_instance() {
 fn ports_of_instances_can_be_stuck() {
     let (outer, _) = hierarchy();
     let texts: Vec<String> = faults(&outer).iter().map(Fault::to_string).collect();
-    let expected = ["u_first", "u_other", "u_second"].map(|name| format!("outer, {name}.x_i: replaced by zero"));
-    assert_eq!(texts, expected);
+    let at = |name: &str| ["replaced by zero", "stuck at 1"].map(|how| format!("outer, {name}.x_i: {how}"));
+    assert_eq!(texts, ["u_first", "u_other", "u_second"].map(at).concat());
     for fault in faults(&outer) {
         let faulty = Arc::new(fault.apply(&outer).expect("a faulty module"));
         assert_ne!(behaviour(&faulty), behaviour(&outer), "{fault}");

@@ -17,6 +17,7 @@ pub use model_checker::{CheckResult, Method, ModelChecker, SafetyProblem};
 pub(crate) use properties::RESET;
 pub use properties::{ModuleTexts, TextFault, never_leaves, problems};
 pub use structure::structural_faults;
+pub(crate) use structure::together;
 
 use crate::{Error, Progress, Request, Verdict};
 use raypath_hdl::with_enables;

@@ -23,12 +23,13 @@ use conversion::Conversion;
 use design::Design;
 use problem::Problem;
 use raypath_float::Format;
-use raypath_hdl::{verilog, with_enables};
-use raypath_rtl::Datapath;
+use raypath_hdl::{Module, verilog, with_enables};
+use raypath_rtl::{Config, Datapath};
 use raypath_tools::{SmtSolver, ToolError, Yosys, YosysKind, pool, read, temporary_folder, write};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -79,6 +80,24 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     }
     covered += &format!("{refuted} faults refuted");
     Ok(Verdict { covered, failures, is_stopped, ..Verdict::default() })
+}
+
+/// Whether Z3 proves that a changed netlist of a configuration still computes all operations, one job at a time. The
+/// control must be the one that `control` proves, and the units those of the configuration.
+///
+/// # Errors
+/// A program is missing or fails; the configuration cannot be elaborated.
+pub(crate) fn still_computes(config: Config, top: &Arc<Module>, limit: Duration) -> Result<bool, Error> {
+    let (prover, subject, stop) = (DataflowProver::find(false)?, Subject::from(config), &AtomicBool::new(false));
+    let datapath = subject.elaborate()?;
+    let top = with_enables(top);
+    let design = prover.design(&ModuleTexts::new(&top)?.with(top.name(), ""), top.name(), stop)?;
+    for problem in subject.problems(&datapath, &design, true)? {
+        if !matches!(prover.answer(&problem, limit, false, stop)?, Answer::Proved { .. }) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 const FAILURES_SHOWN: usize = 8;
@@ -189,7 +208,7 @@ impl DataflowProver {
             );
         }
         let design = self.design(&texts.with(top.name(), ""), top.name(), stop)?;
-        let mut problems = subject.problems(&datapath, &design)?;
+        let mut problems = subject.problems(&datapath, &design, false)?;
         let conversions: BTreeSet<Conversion> =
             problems.iter().flat_map(|problem| problem.conversions.clone()).collect();
         for conversion in conversions {
@@ -197,7 +216,7 @@ impl DataflowProver {
         }
         let mut proved = Proved::default();
         for problem in &problems {
-            match self.answer(problem, *is_repeated, stop)? {
+            match self.answer(problem, LIMIT, *is_repeated, stop)? {
                 Answer::Proved { is_confirmed } => {
                     proved.problems += 1;
                     proved.confirmed += usize::from(is_confirmed);
@@ -240,13 +259,19 @@ impl DataflowProver {
     }
 
     /// Asks Z3, and with `is_repeated` the second solver. That one may give no answer in time, but no other answer.
-    fn answer(&self, problem: &Problem, is_repeated: bool, stop: &AtomicBool) -> Result<Answer, Error> {
+    fn answer(
+        &self,
+        problem: &Problem,
+        limit: Duration,
+        is_repeated: bool,
+        stop: &AtomicBool,
+    ) -> Result<Answer, Error> {
         let folder = temporary_folder()?;
         let questions = problem.questions();
         let name = &problem.name;
         let failed = |why: String| Ok(Answer::Failed(format!("{name}: {why}")));
-        let Some(answers) = self.z3.run(folder.path(), &questions, LIMIT, stop)? else {
-            return failed(format!("no answer within {} s", LIMIT.as_secs()));
+        let Some(answers) = self.z3.run(folder.path(), &questions, limit, stop)? else {
+            return failed(format!("no answer within {} s", limit.as_secs()));
         };
         match answers.split_whitespace().collect::<Vec<_>>()[..] {
             ["sat", "unsat"] => {}
@@ -256,7 +281,7 @@ impl DataflowProver {
         let Some(second) = self.second.as_ref().filter(|_| is_repeated) else {
             return Ok(Answer::Proved { is_confirmed: false });
         };
-        match second.run(folder.path(), &questions, LIMIT, stop)? {
+        match second.run(folder.path(), &questions, limit, stop)? {
             None => Ok(Answer::Proved { is_confirmed: false }),
             Some(answers) if answers.split_whitespace().eq(["sat", "unsat"]) => {
                 Ok(Answer::Proved { is_confirmed: true })

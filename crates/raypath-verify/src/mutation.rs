@@ -11,17 +11,19 @@ pub(crate) use report::{Count, MIN_SCORE, percent};
 
 use crate::{Error, Level, Request, Verdict};
 use mutant::{Mutant, MutantResult, Subject, choose, subjects};
+use raypath_float::Format;
 use raypath_hdl::mutate::replace;
-use raypath_rtl::{Config, Control, Interval, Lanes, Multiplier, UnitLatency};
+use raypath_rtl::{Config, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing};
 use raypath_tools::{ToolError, pool};
 use report::Report;
 use std::path::Path;
 use std::sync::Arc;
 use trial::Trial;
 
-/// The configurations whose modules get faults: the default, and small ones with the modules that it lacks.
+/// The configurations whose modules get faults: the default, and small ones with the modules that it lacks, so that
+/// each format, control, sharing, latency and encoding has its share.
 /// `tests/configurations.rs` runs as many jobs on them as mutation does.
-pub const CONFIGS: [Config; 7] = [
+pub const CONFIGS: [Config; 10] = [
     Config::DEFAULT,
     Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit),
     Config::DEFAULT.lanes(Lanes::Two).unit_latency(UnitLatency::Two),
@@ -33,6 +35,13 @@ pub const CONFIGS: [Config; 7] = [
         .control(Control::Credit)
         .unit_latency(UnitLatency::Three)
         .multiplier(Multiplier::Inferred),
+    Config::DEFAULT.lanes(Lanes::None).format(Format::BINARY16).sharing(Sharing::Segregated),
+    Config::DEFAULT.lanes(Lanes::None).format(Format::TF32).control(Control::Credit).registers(Encoding::Ieee),
+    Config::DEFAULT
+        .lanes(Lanes::Two)
+        .format(Format::BFLOAT16)
+        .unit_latency(UnitLatency::Three)
+        .units(UnitSharing::Disjoint),
 ];
 
 /// The file with the result of each mutant.

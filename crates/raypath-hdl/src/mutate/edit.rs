@@ -1,7 +1,7 @@
 //! Applying a change.
 
 use super::Change;
-use crate::netlist::{Driver, Item, Module, Signal, SignalId};
+use crate::netlist::{Driver, Item, Module, Signal, SignalId, mask};
 use crate::text::Text;
 
 /// The module with the change; `None` if the change does not apply to it.
@@ -25,6 +25,49 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
         Change::OperandZero { signal, operand } => {
             substitute(&mut new, *signal, *operand, Driver::Constant(0))?;
         }
+        Change::OperandOnes { signal, operand } => {
+            let ones = mask(module.signals.get(operand.index())?.width);
+            substitute(&mut new, *signal, *operand, Driver::Constant(ones))?;
+        }
+        Change::OperandOther { signal, operand, with } => {
+            module.signals.get(with.index())?;
+            substitute(&mut new, *signal, *operand, Driver::Alias(*with))?;
+        }
+        Change::ShiftedMore { signal } => {
+            let Signal { width, driver, .. } = new.signals.get(signal.index())?.clone();
+            let is_left = matches!(driver, Driver::ShiftLeft(..));
+            if !is_left && !matches!(driver, Driver::ShiftRight(..)) {
+                return None;
+            }
+            let (inside, outside) = insert(&mut new, *signal, width, driver);
+            let (one, outside) = insert(&mut new, outside, 1, Driver::Constant(1));
+            new.signals[outside.index()].driver =
+                if is_left { Driver::ShiftLeft(inside, one) } else { Driver::ShiftRight(inside, one) };
+        }
+        Change::NoReset { register } => {
+            new.registers.get_mut(*register)?.reset.take()?;
+        }
+        Change::PortOnes { instance, input } => {
+            let port = *new.instances.get(*instance)?.inputs.get(*input)?;
+            let width = new.signals[port.index()].width;
+            let (ones, _) = insert(&mut new, SignalId(0), width, Driver::Constant(mask(width)));
+            new.instances[*instance].inputs[*input] = ones;
+        }
+        Change::PortsExchanged { instance, inputs: [a, b] } => {
+            let inputs = &mut new.instances.get_mut(*instance)?.inputs;
+            if inputs.len() <= *a.max(b) {
+                return None;
+            }
+            inputs.swap(*a, *b);
+        }
+        Change::OutputsExchanged { instance, outputs: [a, b] } => {
+            let outputs = &mut new.instances.get_mut(*instance)?.outputs;
+            let signals = [*outputs.get(*a)?, *outputs.get(*b)?];
+            outputs.swap(*a, *b);
+            let [first, second] = signals.map(SignalId::index);
+            let driver = new.signals[first].driver.clone();
+            new.signals[first].driver = std::mem::replace(&mut new.signals[second].driver, driver);
+        }
         Change::AlwaysLoads { register } => {
             new.registers.get_mut(*register)?.enable.take()?;
         }
@@ -42,15 +85,15 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
             let (zero, _) = insert(&mut new, SignalId(0), width, Driver::Constant(0));
             new.instances[*instance].inputs[*input] = zero;
         }
-        Change::MemoryMasked { memory, input, mask } => {
+        Change::MemoryMasked { memory, input, mask: kept } => {
             let whole = *memory_input(&mut new, *memory, *input)?;
             let width = new.signals.get(whole.index())?.width;
-            let driver = Driver::Constant(*mask & crate::netlist::mask(width));
-            let (kept, _) = insert(&mut new, SignalId(0), width, driver);
+            let driver = Driver::Constant(*kept & mask(width));
+            let (bits, _) = insert(&mut new, SignalId(0), width, driver);
             let whole = *memory_input(&mut new, *memory, *input)?;
-            *memory_input(&mut new, *memory, *input)? = match mask {
-                0 => kept,
-                _ => add(&mut new, width, Driver::And(whole, kept)),
+            *memory_input(&mut new, *memory, *input)? = match kept {
+                0 => bits,
+                _ => add(&mut new, width, Driver::And(whole, bits)),
             };
         }
         Change::MemoryAlways { memory, input } => {

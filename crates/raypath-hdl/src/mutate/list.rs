@@ -15,7 +15,7 @@ pub fn faults(module: &Module) -> Vec<Fault> {
     for (index, signal) in module.signals.iter().enumerate() {
         let id = SignalId(index as u32);
         if live.is_live(id) {
-            let mut changes = Changes { module, id, width: signal.width, found: Vec::new() };
+            let mut changes = Changes { module, live: &live, id, width: signal.width, found: Vec::new() };
             changes.of(&signal.driver);
             changes.found.into_iter().for_each(|change| add(live.name(id), change));
         }
@@ -30,6 +30,11 @@ pub fn faults(module: &Module) -> Vec<Fault> {
             let ones = mask(module.signal(info.signal).width);
             for becomes in BTreeSet::from([was ^ 1, was ^ ones]) {
                 add(place(), Change::Reset { register, was, becomes });
+            }
+            // Without any reset the module would have no port for it.
+            let others = module.registers.iter().filter(|other| other.reset.is_some()).count() > 1;
+            if others || module.instances.iter().any(|instance| instance.module.has_reset()) {
+                add(place(), Change::NoReset { register });
             }
         }
     }
@@ -48,6 +53,24 @@ pub fn faults(module: &Module) -> Vec<Fault> {
         for (input, (port, id)) in info.module.inputs.iter().zip(&info.inputs).enumerate() {
             if module.signal(*id).driver != Driver::Constant(0) {
                 add(format!("{}.{}", info.name, port.name), Change::PortZero { instance, input });
+            }
+            let width = module.signal(*id).width;
+            if module.signal(*id).driver != Driver::Constant(mask(width)) {
+                add(format!("{}.{}", info.name, port.name), Change::PortOnes { instance, input });
+            }
+            let is_alike = |other: &SignalId| other != id && module.signal(*other).width == width;
+            if let Some(more) = info.inputs[input + 1..].iter().position(is_alike) {
+                let inputs = [input, input + 1 + more];
+                add(format!("{}.{}", info.name, port.name), Change::PortsExchanged { instance, inputs });
+            }
+        }
+        for (output, (port, id)) in info.module.outputs.iter().zip(&info.outputs).enumerate() {
+            let width = module.signal(*id).width;
+            let is_alike =
+                |other: &SignalId| module.signal(*other).width == width && (live.is_live(*id) || live.is_live(*other));
+            if let Some(more) = info.outputs[output + 1..].iter().position(is_alike) {
+                let outputs = [output, output + 1 + more];
+                add(format!("{}.{}", info.name, port.name), Change::OutputsExchanged { instance, outputs });
             }
         }
     }
@@ -87,6 +110,7 @@ fn memory_changes(module: &Module, memory: usize) -> Vec<Change> {
 /// The changes of one signal.
 struct Changes<'m> {
     module: &'m Module,
+    live: &'m LiveSignals<'m>,
     id: SignalId,
     width: u32,
     found: Vec<Change>,
@@ -105,7 +129,32 @@ impl Changes<'_> {
         let is_constant = |id: SignalId| matches!(self.module.signal(id).driver, Driver::Constant(_));
         let operands: Vec<SignalId> = operands.into_iter().filter(|&id| !is_constant(id)).collect();
         let signal = self.id;
-        self.found.extend(operands.into_iter().map(|operand| Change::OperandZero { signal, operand }));
+        self.found.extend(operands.iter().map(|&operand| Change::OperandZero { signal, operand }));
+        let with_ones: BTreeSet<SignalId> = match driver {
+            Driver::Mux { if_true, if_false, .. } => [*if_true, *if_false].into(),
+            // All ones, whichever operand is.
+            Driver::Or(a, _) => [*a].into(),
+            _ => driver.operands().collect(),
+        };
+        let with_ones = with_ones.into_iter().filter(|&id| !is_constant(id));
+        self.found.extend(with_ones.map(|operand| Change::OperandOnes { signal, operand }));
+        for operand in driver.operands().collect::<BTreeSet<SignalId>>() {
+            let with = self.nearest(driver, operand);
+            self.found.extend(with.map(|with| Change::OperandOther { signal, operand, with }));
+        }
+    }
+
+    /// The nearest live signal of an operand's width, before it if there is one, that is no constant and no operand.
+    /// No other name either, because what it stands for may come later.
+    fn nearest(&self, driver: &Driver, operand: SignalId) -> Option<SignalId> {
+        let width = self.module.signal(operand).width;
+        let is_it = |&other: &SignalId| {
+            let signal = self.module.signal(other);
+            let is_fit = signal.width == width && !matches!(signal.driver, Driver::Constant(_) | Driver::Alias(_));
+            is_fit && self.live.is_live(other) && driver.operands().all(|id| id != other)
+        };
+        let before = (0..operand.0).rev().map(SignalId).find(is_it);
+        before.or_else(|| (operand.0 + 1..self.id.0).map(SignalId).find(is_it))
     }
 
     fn operator(&mut self, driver: &Driver) {
@@ -132,8 +181,14 @@ impl Changes<'_> {
                 self.becomes(driver, Driver::Any(*a), "All becomes Any");
                 self.inverted();
             }
-            Driver::ShiftLeft(a, by) => self.becomes(driver, Driver::ShiftRight(*a, *by), "shifts right"),
-            Driver::ShiftRight(a, by) => self.becomes(driver, Driver::ShiftLeft(*a, *by), "shifts left"),
+            Driver::ShiftLeft(a, by) => {
+                self.becomes(driver, Driver::ShiftRight(*a, *by), "shifts right");
+                self.found.push(Change::ShiftedMore { signal: self.id });
+            }
+            Driver::ShiftRight(a, by) => {
+                self.becomes(driver, Driver::ShiftLeft(*a, *by), "shifts left");
+                self.found.push(Change::ShiftedMore { signal: self.id });
+            }
             Driver::Mux { select, if_true, if_false } => {
                 if if_true != if_false {
                     self.found.push(Change::OperandInverted { signal: self.id, operand: *select });

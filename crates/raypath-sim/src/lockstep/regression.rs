@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
 use raypath_hdl::Probe;
 use raypath_model::{WordModel, Words};
-use raypath_ops::{JobKind, Rounding};
+use raypath_ops::{JobKind, Port, PortKind, Rounding};
 use raypath_rtl::{Config, Encoding};
 
 /// The regression checks of a configuration, reproducible by `seed`.
@@ -54,8 +54,18 @@ impl RegressionChecks {
         self.has_the_specified_timing(netlist, model).map_err(named("timing"))
     }
 
+    /// Random jobs. In some, numbers have few significant bits, so that results are ties.
     fn jobs(self, model: &WordModel, kinds: &[JobKind]) -> impl Iterator<Item = Words> + use<> {
-        random(model, self.config.semantics.format, self.seed, kinds)
+        let format = self.config.semantics.format;
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let model = model.clone();
+        random(&model, format, self.seed, kinds).map(move |job| {
+            if rng.random_bool(SHORT) {
+                shortened(&model, format, &job, rng.random_range(1..=format.significand() / 2))
+            } else {
+                job
+            }
+        })
     }
 
     /// Lockstep with the models, for random and edge jobs under random handshakes, with a few resets.
@@ -154,6 +164,19 @@ impl RegressionChecks {
     }
 }
 
+/// The job with all but so many upper bits of each number's fraction at zero.
+fn shortened(model: &WordModel, format: Format, job: &Words, bits: u32) -> Words {
+    let kept = u64::MAX << (format.significand() - 1 - bits);
+    let short = |port: &Port| match port.kind {
+        PortKind::Number => job.port(&port.name) & kept,
+        PortKind::Flags | PortKind::Word => job.port(&port.name),
+    };
+    let words: Vec<u64> = model.inputs(job.kind()).iter().map(short).collect();
+    model.job_of_words(job.kind(), &words)
+}
+
+/// The probability that a job's numbers are short.
+const SHORT: f64 = 0.15;
 /// The jobs that fill the registers before they are watched.
 const FIRST_JOBS: usize = 100;
 /// The probability of a reset in a cycle of the longest stream. Accumulators reach large values between them.

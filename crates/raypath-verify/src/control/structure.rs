@@ -15,7 +15,7 @@ pub fn structural_faults(datapath: &Datapath, config: Config) -> Result<Vec<Stri
         faults.extend(chain_faults(datapath, config));
         for step in 0..datapath.steps().count() {
             if let Some(module) = datapath.module(step) {
-                faults.extend(load_faults(module));
+                faults.extend(together(module));
             }
         }
     }
@@ -75,9 +75,9 @@ fn source(module: &Module, mut signal: SignalId) -> SignalId {
     signal
 }
 
-/// Checks that every data register (without reset) has a counterpart among the opcode's registers, loads when that one
-/// loads, and takes the counterpart of the value that that one takes.
-fn load_faults(module: &Module) -> Vec<String> {
+/// Checks that the registers of a step load together: every data register (without reset) has a counterpart among the
+/// opcode's registers, loads when that one loads, and takes the counterpart of the value that that one takes.
+pub(crate) fn together(module: &Module) -> Vec<String> {
     let name = |register: &RegisterInfo| module.signal(register.signal).name.clone().unwrap_or_default();
     let data: Vec<(&RegisterInfo, String)> = module
         .registers()
@@ -164,8 +164,9 @@ fn same_load<'m>(
                 }
             }
         }
-        // Behind the front, and in a step without waiting words, a register takes the arriving word.
-        _ => !is_front || (spare.is_none() && store.is_none()),
+        // Behind the front every register takes the arriving word, and so does that of a step without waiting words.
+        _ if is_front => spare.is_none() && store.is_none(),
+        _ => store.is_none_or(|(own, _)| source(module, own.next) == source(module, register.next)),
     }
 }
 

@@ -35,6 +35,8 @@ pub(super) struct Pipeline<'d> {
     pub latency: u32,
     /// It has an operation in addition to the paper's.
     pub has_added: bool,
+    /// It has a fault that may be none for what units compute.
+    pub has_fault: bool,
     pub design: &'d Design,
 }
 
@@ -70,8 +72,8 @@ impl Problem {
         let ieee_registers = config.microarchitecture.registers == Encoding::Ieee;
         let is_narrow = matches!(config.semantics.rules, Rules::Bounds(_));
         let has_quantised = config.semantics.features.quantised_boxes || pipeline.has_added;
-        let reads_signs_at_ports = ieee_registers || is_narrow || has_quantised;
-        let units = Units { design, format, ieee_registers, reads_signs_at_ports, positive_nans: is_narrow };
+        let states_classes = ieee_registers || is_narrow || has_quantised || pipeline.has_fault;
+        let units = Units { design, format, ieee_registers, states_classes, positive_nans: is_narrow };
         let outcome = outcome(operation, &mut script, units, &values);
         let mut expected = outcome.outputs;
         expected.extend(values.input("tag").map(|tag| ("tag".to_string(), tag)));
@@ -119,7 +121,7 @@ impl Problem {
         let mut script = Script::default();
         let mut unrolled = Unrolled::new(design);
         let operand = unrolled.value(&mut script, ENTERS, find(&design.inputs, &format!("{port_in}_i"))?)?;
-        let units = Units { design, format, ieee_registers: false, reads_signs_at_ports: false, positive_nans: false };
+        let units = Units { design, format, ieee_registers: false, states_classes: false, positive_nans: false };
         if matches!(conversion, Conversion::Narrow(_)) {
             units.is_canonical(&mut script, operand);
         }

@@ -134,15 +134,19 @@ impl Terms<'_, '_, '_> {
                 (field << fraction) | ((bits & ((1 << 52) - 1)) >> (52 - fraction))
             }
         };
-        let script = &mut self.made.script.borrow_mut();
-        let term = script.constant(format.recoded_width(), (sign << (exponent + 1 + fraction)) | magnitude);
         let bias = (1_u64 << (exponent - 1)) - 1;
         let ieee = match value {
             0.0 => 0,
             _ if value.is_infinite() => format.infinity(),
             _ => magnitude - (((1 << exponent) - bias) << fraction),
         };
-        self.made.units.is_constant(script, term, (sign << (exponent + fraction)) | ieee);
+        let script = &mut self.made.script.borrow_mut();
+        // Also what is known of its negation, which is a constant too.
+        let [term, _] = [sign, 1 - sign].map(|sign| {
+            let term = script.constant(format.recoded_width(), (sign << (exponent + 1 + fraction)) | magnitude);
+            self.made.units.is_constant(script, term, (sign << (exponent + fraction)) | ieee);
+            term
+        });
         let used = format.significand() - magnitude.trailing_zeros().min(fraction);
         Number { term, bits: used, factors: None }
     }

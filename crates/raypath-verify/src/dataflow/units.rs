@@ -13,9 +13,10 @@ pub(super) struct Units<'d> {
     pub format: Format,
     /// The registers between the stages hold numbers in the layout of IEEE 754.
     pub ieee_registers: bool,
-    /// The design reads signs at the ports before it encodes, where a NaN may have another sign than the word that the
-    /// encoder writes. What units do with a NaN matters then.
-    pub reads_signs_at_ports: bool,
+    /// Whether to state what units do with NaNs and infinities. It matters if the design reads signs at the ports
+    /// before it encodes, where a NaN may have another sign than the word that the encoder writes; and if a fault
+    /// shows only there.
+    pub states_classes: bool,
     /// NaNs at the ports have the sign 0.
     pub positive_nans: bool,
 }
@@ -68,8 +69,10 @@ impl Units<'_> {
 
     /// What is known of a multiplier by a short factor of `bits` bits, `b`: its product is that of the full one.
     pub fn product_by_short(&self, script: &mut Script, a: Term, (b, bits): (Term, u32), product: Term) {
-        let stem = format!("raypath_fp_mul_{}_by_s{bits}", self.layout());
-        let modules = self.modules(|module| module == stem || module.starts_with(&format!("{stem}_part_")));
+        let layout = self.layout();
+        let stems = ["mul", "mul_inferred"].map(|unit| format!("raypath_fp_{unit}_{layout}_by_s{bits}"));
+        let modules = self
+            .modules(|module| stems.iter().any(|stem| module == stem || module.starts_with(&format!("{stem}_part_"))));
         let short = script.slice(b, b.width - 1, self.format.significand() - bits);
         if let Some(by_short) = self.chain(script, &modules, &[("a", a), ("b", short)], "product") {
             script.assume(&format!("(= {by_short} {product})"));
@@ -81,20 +84,40 @@ impl Units<'_> {
     pub fn compare(&self, script: &mut Script, a: Term, b: Term, bits: u32) -> [Term; 3] {
         let dropped = self.format.significand() - bits;
         let narrow = self.modules(|module| module == format!("raypath_fp_compare_e{}s{bits}", self.format.exponent()));
-        let (modules, [a, b]) = match narrow.is_empty() || dropped == 0 {
-            true => (self.named("compare"), [a, b]),
-            false => (narrow, [a, b].map(|operand| script.slice(operand, operand.width - 1, dropped))),
+        let is_short = !narrow.is_empty() && dropped > 0;
+        let (modules, [a, b]) = match is_short {
+            true => (narrow, [a, b].map(|operand| script.slice(operand, operand.width - 1, dropped))),
+            false => (self.named("compare"), [a, b]),
         };
-        let results = ["less", "equal", "unordered"].map(|output| {
-            let result = self.chain(script, &modules, &[("a", a), ("b", b)], output);
-            result.unwrap_or_else(|| script.free(1))
-        });
-        if self.reads_signs_at_ports {
+        let results = self.compared(script, &modules, a, b);
+        if is_short {
+            // A full comparison of short numbers gives the same.
+            let zeros = script.constant(dropped, 0);
+            let full = [a, b].map(|short| script.operator(short.width + dropped, "concat", &[short, zeros]));
+            let full = self.compared(script, &self.named("compare"), full[0], full[1]);
+            for (full, short) in full.into_iter().zip(results) {
+                script.assume(&format!("(= {full} {short})"));
+            }
+        }
+        if self.states_classes {
             let [a_is_nan, b_is_nan] = [a, b].map(|operand| is_nan(script, operand));
             let [less, equal, unordered] = results;
             script.assume(&format!("(=> (or {a_is_nan} {b_is_nan}) (= (concat {less} {equal} {unordered}) #b001))"));
+            let [a_sign_and_class, b_sign_and_class] =
+                [a, b].map(|operand| script.slice(operand, operand.width - 1, operand.width - 4));
+            script.assume(&format!(
+                "(=> (or (= {a_sign_and_class} #b0110) (= {b_sign_and_class} #b1110)) (= {less} #b0))"
+            ));
         }
         results
+    }
+
+    /// The outputs of a comparison.
+    fn compared(&self, script: &mut Script, modules: &[(&str, &UnitModule)], a: Term, b: Term) -> [Term; 3] {
+        ["less", "equal", "unordered"].map(|output| {
+            let result = self.chain(script, modules, &[("a", a), ("b", b)], output);
+            result.unwrap_or_else(|| script.free(1))
+        })
     }
 
     /// A sum that rounds once.
@@ -197,7 +220,7 @@ impl Units<'_> {
 
     /// The result is NaN if an operand is.
     fn keeps_nan(&self, script: &mut Script, operands: &[Term], result: Term) {
-        if self.reads_signs_at_ports {
+        if self.states_classes {
             for &operand in operands {
                 let [operand, result] = [operand, result].map(|term| is_nan(script, term));
                 script.assume(&format!("(=> {operand} {result})"));

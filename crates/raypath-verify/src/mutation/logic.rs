@@ -3,7 +3,9 @@
 //! Conjunctions are shared by structure. Operators that are not bitwise are uninterpreted functions of their name and
 //! arguments. Different literals can still be equal functions.
 
-use std::collections::HashMap;
+use crate::sat::{Miter, SOURCE};
+use std::collections::{BTreeSet, HashMap};
+use std::fmt::Write as _;
 
 /// A bit: twice the number of its node, plus one if it is inverted.
 pub type Literal = u32;
@@ -85,6 +87,43 @@ impl Logic {
     /// Applies a function bit by bit.
     pub fn bitwise(&mut self, a: &[Literal], b: &[Literal], f: fn(&mut Self, Literal, Literal) -> Literal) -> Word {
         a.iter().zip(b).map(|(&a, &b)| f(self, a, b)).collect()
+    }
+
+    /// A circuit whose output is 1 where two functions of a pair differ. Its inputs are the variables and the bits of
+    /// uninterpreted functions.
+    pub fn miter(&self, pairs: &[[Literal; 2]]) -> Miter {
+        let operands: HashMap<u32, [Literal; 2]> =
+            self.conjunctions.iter().map(|(&(a, b), &and)| (and / 2, [a, b])).collect();
+        let mut nodes = BTreeSet::new();
+        let mut open: Vec<u32> = pairs.iter().flatten().map(|literal| literal / 2).collect();
+        while let Some(node) = open.pop() {
+            if node > 0 && nodes.insert(node) {
+                open.extend(operands.get(&node).into_iter().flatten().map(|literal| literal / 2));
+            }
+        }
+        let text = |literal: Literal| match literal {
+            FALSE | TRUE => format!("1'b{literal}"),
+            _ => format!("{}n{}", if literal % 2 == 1 { "~" } else { "" }, literal / 2),
+        };
+        let (mut inputs, mut wires) = (Vec::new(), String::new());
+        // The operands of a conjunction have smaller numbers.
+        for node in nodes {
+            match operands.get(&node) {
+                Some(&[a, b]) => drop(writeln!(wires, "wire n{node} = {} & {};", text(a), text(b))),
+                None => inputs.push((format!("n{node}"), 1)),
+            }
+        }
+        let ports: String = inputs.iter().map(|(name, _)| format!("input {name}, ")).collect();
+        let differences: Vec<String> = pairs.iter().map(|&[a, b]| format!("{} ^ {}", text(a), text(b))).collect();
+        let differences = differences.join(", ");
+        let source =
+            format!("module miter({ports}output differ);\n{wires}assign differ = |{{{differences}}};\nendmodule\n");
+        Miter {
+            name: "jobs".to_string(),
+            sources: vec![("jobs.sv".to_string(), source)],
+            commands: vec![format!("read_verilog -sv {SOURCE}jobs.sv"), "hierarchy -check -top miter".to_string()],
+            inputs,
+        }
     }
 
     /// Selects one of two words.

@@ -6,43 +6,86 @@
 //! inputs and state: the control passes it on, registers hold what they have loaded, and units are uninterpreted
 //! functions. In the stage with the fault the job takes every path: directly, or through the spare register, or through
 //! each slot of the FIFO; in the last two cases the stage's inputs are arbitrary when the job leaves. Outputs and next
-//! states must be the same functions as without the fault. In the stage itself, with arbitrary registers, everything
+//! states must be the same functions as without the fault: by their structure, or as Yosys and ABC prove. In the stage itself, with arbitrary registers, everything
 //! that affects control must be the same: enables, resets, handshakes.
 //!
 //! In a folded pipeline the job moves from position to position, and every register takes in each move what it loads
-//! then. Jobs at least an interval away may be anywhere.
+//! then. Jobs at least an interval away may be anywhere, but not nearer to each other than an interval.
 
 mod folded;
 
-use super::logic::{FALSE, Logic, TRUE, Word};
+use super::logic::{FALSE, Literal, Logic, TRUE, Word};
 use super::mutant::Subject;
+use crate::error::Error;
+use crate::sat::{ProofResult, Prover};
 use folded::Rounds;
 use raypath_hdl::{Driver, Module, RegisterInfo, SignalId};
+use raypath_ops::JobKind;
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
-/// Whether the proof shows that a fault changes no job's outcome. It does not apply to faults in units and control, or
-/// to a datapath with memories.
-pub fn is_equivalent_for_jobs(subject: &Subject, changed: &Arc<Module>, changed_top: &Arc<Module>) -> bool {
+/// What the proof shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effect {
+    /// The fault changes no job's outcome.
+    None,
+    /// The fault may change outcomes, but no enable, reset or handshake.
+    Data,
+    /// The fault may change anything; or it is in a unit or in control, or the datapath has memories.
+    Any,
+}
+
+/// What a fault can change, by the proof.
+pub fn effect(subject: &Subject, changed: &Arc<Module>, changed_top: &Arc<Module>) -> Result<Effect, Error> {
     let (datapath, original) = (&subject.datapath, &subject.module);
     if is_unit(original) || is_control(original) || datapath.top.memory_bits() > 0 {
-        return false;
+        return Ok(Effect::Any);
     }
     let mut logic = Logic::default();
-    datapath.config.kinds().iter().all(|kind| {
-        let job = Job { opcode: kind.opcode(), path: None, rounds: None, faulty: original.name() };
-        let mut control = |module: &Arc<Module>| SymbolicJob::new(&mut logic, module, job).control();
-        if control(original) != control(changed) {
-            return false;
-        }
-        let rounds = Rounds::new(&datapath.shape);
-        slot_paths(original).into_iter().all(|path| {
-            let job = Job { path: Some(path), rounds, ..job };
+    let rounds = Rounds::new(&datapath.shape);
+    let passes_rounds = rounds.is_some() && !is_exit(original);
+    let job = |kind: JobKind| Job { opcode: kind.opcode(), path: None, rounds: None, faulty: original.name() };
+    let mut open = Vec::new();
+    for &kind in datapath.config.kinds() {
+        let mut control = |module: &Arc<Module>| SymbolicJob::new(&mut logic, module, job(kind)).control(passes_rounds);
+        open.push(unequal(control(original), control(changed)));
+    }
+    if !are_equal(&logic, open)? {
+        return Ok(Effect::Any);
+    }
+    let mut open = Vec::new();
+    for &kind in datapath.config.kinds() {
+        for path in slot_paths(original) {
+            let job = Job { path: Some(path), rounds, ..job(kind) };
             let mut outcome = |top: &Arc<Module>| SymbolicJob::new(&mut logic, top, job).outcome();
-            outcome(&datapath.top) == outcome(changed_top)
-        })
-    })
+            open.push(unequal(outcome(&datapath.top), outcome(changed_top)));
+        }
+    }
+    Ok(if are_equal(&logic, open)? { Effect::None } else { Effect::Data })
 }
+
+/// The pairs of functions that are not equal by their structure; None if the words have other widths.
+fn unequal(a: Vec<Word>, b: Vec<Word>) -> Option<Vec<[Literal; 2]>> {
+    let is_alike = a.iter().map(Word::len).eq(b.iter().map(Word::len));
+    let bits = a.into_iter().flatten().zip(b.into_iter().flatten());
+    is_alike.then(|| bits.filter(|(a, b)| a != b).map(|(a, b)| [a, b]).collect())
+}
+
+/// Whether ABC proves that the functions of each pair are equal.
+fn are_equal(logic: &Logic, pairs: Vec<Option<Vec<[Literal; 2]>>>) -> Result<bool, Error> {
+    let Some(pairs) = pairs.into_iter().collect::<Option<Vec<_>>>() else { return Ok(false) };
+    let pairs = pairs.concat();
+    if pairs.is_empty() {
+        return Ok(true);
+    }
+    let found = Prover::find()?.solve(&[logic.miter(&pairs)], LIMIT, &AtomicBool::new(false))?;
+    Ok(matches!(found.as_slice(), [ProofResult::Proved { .. }]))
+}
+
+/// The time limit of a proof by ABC.
+const LIMIT: Duration = Duration::from_secs(20);
 
 fn slot_paths(module: &Module) -> Vec<SlotPath> {
     let mut paths = vec![SlotPath::Direct];
@@ -142,12 +185,14 @@ impl<'v> SymbolicJob<'v> {
         scope
     }
 
-    /// Everything in the module that affects control.
-    fn control(&mut self) -> Vec<Word> {
+    /// Everything in the module that affects control. Where a job passes rounds, `outcome` follows it in every cycle,
+    /// so that a register without reset may load in others.
+    fn control(&mut self, passes_rounds: bool) -> Vec<Word> {
         let module = self.scopes[0].module.clone();
         let mut words = Vec::new();
         for register in module.registers() {
-            words.extend(register.enable.map(|enable| self.word(OUTSIDE, enable)));
+            let enable = register.enable.filter(|_| !passes_rounds || register.reset.is_some());
+            words.extend(enable.map(|enable| self.word(OUTSIDE, enable)));
             words.extend(register.reset.map(|_| self.next(OUTSIDE, register)));
             words.extend(register.reset.map(|reset| self.logic.constant(64, reset)));
         }
@@ -360,10 +405,16 @@ impl<'v> SymbolicJob<'v> {
         match known {
             Some(value) => self.logic.constant(width, value),
             None => {
-                let (path, name) = (&self.scopes[at.scope].path, &info.name);
-                self.logic.function(format!("{path}{name}.{} {:?}", port.name, at.time), vec![], width)
+                let name = format!("{}{}", self.scopes[at.scope].path, info.name);
+                let of_another = self.of_another_job(&name, &info.module, &port.name, at.time);
+                of_another.unwrap_or_else(|| self.arbitrary_output(&name, &port.name, at.time, width))
             }
         }
+    }
+
+    /// The arbitrary value of an instance's output.
+    fn arbitrary_output(&mut self, instance: &str, port: &str, time: Time, width: u32) -> Word {
+        self.logic.function(format!("{instance}.{port} {time:?}"), vec![], width)
     }
 }
 

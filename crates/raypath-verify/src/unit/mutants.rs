@@ -10,9 +10,10 @@ use crate::sat::Prover;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
+use raypath_hdl::Error::Loop;
 use raypath_hdl::mutate::{Fault, faults, replace};
 use raypath_hdl::{Module, verilog};
-use raypath_unit::{NetlistEngine, UnitNetlist, UnitParameters};
+use raypath_unit::{NetlistEngine, UnitError, UnitNetlist, UnitParameters};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -125,9 +126,12 @@ impl Mutant<'_> {
     /// The faulty netlist cannot be built, or a program is missing.
     pub fn fate(&self, seed: u64, limits: &Limits, stop: &AtomicBool) -> Result<Fate, Error> {
         let faulty = Arc::new(self.fault.apply(&self.subject.module)?);
-        match self.simulated(&faulty, seed, limits)? {
-            Some(fate) => Ok(fate),
-            None => self.proved(&faulty, stop),
+        match self.simulated(&faulty, seed, limits) {
+            // No simulator accepts a combinational loop.
+            Err(Error::Netlist(Loop(_)) | Error::Unit(UnitError::Netlist(Loop(_)))) => Ok(Fate::Checked),
+            Err(other) => Err(other),
+            Ok(Some(fate)) => Ok(fate),
+            Ok(None) => self.proved(&faulty, stop),
         }
     }
 

@@ -1,6 +1,6 @@
 //! A job in a folded pipeline: its positions, and what registers hold while it moves and waits.
 
-use super::{At, FALSE, SymbolicJob, TRUE, Time, Word, is_exit};
+use super::{At, FALSE, Literal, SymbolicJob, TRUE, Time, Word, is_exit};
 use raypath_hdl::{Module, RegisterInfo};
 use raypath_model::{Control, Shape};
 
@@ -66,10 +66,34 @@ impl SymbolicJob<'_> {
         if enable == FALSE {
             return arrived;
         }
-        // How often it loads is not known, but from what it loads.
         let next = self.word(waiting, info.next);
+        if next == arrived {
+            return arrived;
+        }
+        // How often it loads is not known, but from what it loads.
         let width = arrived.len() as u32;
         self.logic.function(format!("after a wait {width}"), [arrived, vec![enable], next].concat(), width)
+    }
+
+    /// What the control says about a position that another job may have: jobs are an interval apart, so that at most
+    /// one of so many neighbouring positions has one. `None` for other ports.
+    pub fn of_another_job(&mut self, instance: &str, module: &Module, port: &str, time: Time) -> Option<Word> {
+        let (rounds, place) = (self.job.rounds?, position(port).filter(|_| module.name() == "raypath_rounds")?);
+        let (Time::Moving(moves) | Time::Waiting(moves)) = time else { return None };
+        let mut jobs: Vec<Literal> = Vec::new();
+        for place in 0..=place {
+            let is_near = (place + 1).abs_diff(moves) < rounds.interval;
+            let others = jobs.len().saturating_sub(rounds.interval as usize - 1);
+            let arbitrary = self.arbitrary_output(instance, &format!("at_{place}_o"), time, 1)[0];
+            let is_at = jobs[others..].iter().fold(arbitrary, |is_at, &other| self.logic.and(is_at, other ^ 1));
+            jobs.push(if is_near { FALSE } else { is_at });
+        }
+        let is_at = jobs.pop()?;
+        if port.starts_with("at_") {
+            return Some(vec![is_at]);
+        }
+        let moves = self.arbitrary_output(instance, port, time, 1)[0];
+        Some(vec![self.logic.and(is_at, moves)])
     }
 
     /// When the outputs of a module are compared: those of the outermost one, and the opcode of a stage.
