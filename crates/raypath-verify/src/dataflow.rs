@@ -33,7 +33,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Proves the operations of the level's configurations.
+/// Proves the operations of the level's configurations, or of the one that the request names, with each of its added
+/// operations by itself.
 ///
 /// # Errors
 /// A program is missing or fails; a configuration cannot be elaborated.
@@ -41,7 +42,10 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (level, shard) = (request.level, request.shard);
     // Bitwuzla takes several times as long as Z3.
     let with_bitwuzla = [level > Level::Regression, level > Level::Full];
-    let [chosen, random] = [subjects::chosen(level), subjects::random(level, request.seed)];
+    let [chosen, random] = match request.is_chosen {
+        true => [subjects::of(request.config, &request.added), Vec::new()],
+        false => [subjects::chosen(level), subjects::random(level, request.seed)],
+    };
     let faults =
         FAULTS.iter().map(|fault| Work { subject: Subject::default(), fault: Some(*fault), is_repeated: false });
     let proofs = [chosen, random].into_iter().zip(with_bitwuzla).flat_map(|(subjects, is_repeated)| {
@@ -102,8 +106,11 @@ pub(crate) fn still_computes(config: Config, top: &Arc<Module>, limit: Duration)
 
 const FAILURES_SHOWN: usize = 8;
 
-/// The longest time for a question.
+/// The longest time for a question to Z3.
 const LIMIT: Duration = Duration::from_secs(600);
+
+/// The longest time for a question to the second solver. What it does not answer by then it seldom answers at all.
+const SECOND_LIMIT: Duration = Duration::from_secs(60);
 
 /// Deliberate faults in the default configuration, each of which must be refuted.
 const FAULTS: &[TextFault] = &[
@@ -281,7 +288,7 @@ impl DataflowProver {
         let Some(second) = self.second.as_ref().filter(|_| is_repeated) else {
             return Ok(Answer::Proved { is_confirmed: false });
         };
-        match second.run(folder.path(), &questions, limit, stop)? {
+        match second.run(folder.path(), &questions, SECOND_LIMIT, stop)? {
             None => Ok(Answer::Proved { is_confirmed: false }),
             Some(answers) if answers.split_whitespace().eq(["sat", "unsat"]) => {
                 Ok(Answer::Proved { is_confirmed: true })

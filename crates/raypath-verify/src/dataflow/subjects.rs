@@ -73,6 +73,13 @@ pub(super) fn chosen(level: Level) -> Vec<Subject> {
     subjects
 }
 
+/// A configuration, with each of these added operations by itself if there are any.
+pub(super) fn of(config: Config, added: &[String]) -> Vec<Subject> {
+    let known = NAMES.iter().filter(|name| added.iter().any(|other| other == *name));
+    let with_each: Vec<Subject> = known.map(|name| Subject { added: Some(name), ..config.into() }).collect();
+    if with_each.is_empty() { vec![config.into()] } else { with_each }
+}
+
 /// The random subjects of a level.
 pub(super) fn random(level: Level, seed: u64) -> Vec<Subject> {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
@@ -197,6 +204,17 @@ impl OperationVisitor for Problems<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_chosen_configuration_is_proved_with_each_added_operation() {
+        let config = Config::DEFAULT.lanes(Lanes::Two);
+        let added = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|name| name.to_string()).collect();
+            of(config, &names).into_iter().map(|subject| (subject.config, subject.added)).collect::<Vec<_>>()
+        };
+        assert_eq!(added(&[]), [(config, None)]);
+        assert_eq!(added(&["sphere", "octbox"]), [(config, Some("octbox")), (config, Some("sphere"))]);
+    }
 
     /// In folded pipelines with automatic stages a step can read a register and encode the next value of the same one.
     #[test]
