@@ -172,8 +172,8 @@ pub fn replace(top: &Arc<Module>, new: &Arc<Module>) -> Result<Arc<Module>, Erro
     }
 }
 
-/// `top` with texts that are those of the netlist alone, in all its modules: no structures, no package, no banks. A module
-/// with a fault has such a text, and other modules must instantiate the same ones as it does.
+/// `top` with texts that are those of the netlist alone, in all its modules: no structures, no package, no banks. A
+/// module with a fault has such a text, and other modules must instantiate the same ones as it does.
 pub fn without_text(top: &Arc<Module>) -> Arc<Module> {
     fn of(module: &Arc<Module>, known: &mut HashMap<*const Module, Arc<Module>>) -> Arc<Module> {
         if let Some(made) = known.get(&Arc::as_ptr(module)) {

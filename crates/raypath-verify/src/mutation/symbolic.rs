@@ -6,8 +6,8 @@
 //! inputs and state: the control passes it on, registers hold what they have loaded, and units are uninterpreted
 //! functions. In the stage with the fault the job takes every path: directly, or through the spare register, or through
 //! each slot of the FIFO; in the last two cases the stage's inputs are arbitrary when the job leaves. Outputs and next
-//! states must be the same functions as without the fault: by their structure, or as Yosys and ABC prove. In the stage itself, with arbitrary registers, everything
-//! that affects control must be the same: enables, resets, handshakes.
+//! states must be the same functions as without the fault: by their structure, or as Yosys and ABC prove. In the stage
+//! itself, with arbitrary registers, everything that affects control must be the same: enables, resets, handshakes.
 //!
 //! In a folded pipeline the job moves from position to position, and every register takes in each move what it loads
 //! then. Jobs at least an interval away may be anywhere, but not nearer to each other than an interval.

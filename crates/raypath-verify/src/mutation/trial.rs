@@ -104,8 +104,8 @@ fn survived(what: &str) -> MutantResult {
     MutantResult::Survived(what.to_string())
 }
 
-/// A floating-point unit with operands that encode any numbers of the format in any way. Other words have no meaning for
-/// a unit, and no unit gives them. Any other module, or part of a unit without operands, as it is.
+/// A floating-point unit with operands that encode any numbers of the format in any way. Other words have no meaning
+/// for a unit, and no unit gives them. Any other module, or part of a unit without operands, as it is.
 fn on_numbers(unit: &Arc<Module>, format: Format) -> Result<Arc<Module>, Error> {
     let width = format.recoded_width();
     let is_operand = |port: &Port| {
