@@ -109,7 +109,7 @@ const FAILURES_SHOWN: usize = 8;
 /// The longest time for a question to Z3.
 const LIMIT: Duration = Duration::from_secs(600);
 
-/// The longest time for a question to the second solver. What it does not answer by then it seldom answers at all.
+/// The longest time for a question to the second solver, without whose answer a proof by Z3 still counts.
 const SECOND_LIMIT: Duration = Duration::from_secs(60);
 
 /// Deliberate faults in the default configuration, each of which must be refuted.

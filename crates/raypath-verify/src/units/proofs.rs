@@ -326,7 +326,7 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Full, Sqrt, 8, 8),
         (Level::Full, Divided(DivSqrt::Quotient, Form::Parts(14)), 8, 24),
         (Level::Full, Divided(DivSqrt::Quotient, Form::Iterative(1)), 8, 24),
-        // No answer within 30 minutes.
+        // No answer within 30 minutes on a busy machine.
         (Level::Long, Divided(DivSqrt::Quotient, Form::Iterative(3)), 8, 24),
         (Level::Full, Divided(DivSqrt::Root, Form::Iterative(1)), 8, 24),
         (Level::Full, MulParts(2), 8, 24),
