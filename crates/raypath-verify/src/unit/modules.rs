@@ -1,9 +1,11 @@
 //! Checks of modules, each by itself: with states that episodes do not reach, or seldom.
 
+mod blocks;
 mod contexts;
 mod decoder;
 mod distance;
 mod entries;
+mod hits;
 mod queue;
 mod scheduler;
 mod set_up;
@@ -34,6 +36,8 @@ pub fn check(module: &Arc<Module>, parameters: UnitParameters, seed: u64) -> Res
         "raypath_unit_decoder" => decoder::run(&mut bench()?),
         "raypath_unit_weights" => weights::run(&mut bench()?, divider_latency),
         "raypath_unit_distance" => distance::run(&mut bench()?, contexts),
+        "raypath_unit_hits" => hits::run(&mut bench()?, contexts, divider_latency),
+        "raypath_unit_blocks" => blocks::run(&mut bench()?, contexts, step.node),
         "raypath_unit_contexts" => contexts::run(&mut bench()?, contexts),
         "raypath_unit_scheduler" => scheduler::run(&mut bench()?),
         _ if is_queue(module) => queue::run(&mut bench()?, contexts),
@@ -44,7 +48,9 @@ pub fn check(module: &Arc<Module>, parameters: UnitParameters, seed: u64) -> Res
 
 /// Whether a module has a check of its own.
 pub fn has_check(module: &Module) -> bool {
-    const OTHERS: [&str; 9] = [
+    const OTHERS: [&str; 11] = [
+        "raypath_unit_hits",
+        "raypath_unit_blocks",
         "raypath_unit_entries",
         "raypath_unit_decoder",
         "raypath_unit_weights",

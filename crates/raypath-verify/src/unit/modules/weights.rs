@@ -38,14 +38,17 @@ pub fn run(bench: &mut Bench, divider_latency: u32) -> Result<(), String> {
             let is_hit = !bench.chance(4);
             let words = [u, v, t_denom].map(|number| u64::from(number.to_bits())).into_iter().chain([is_hit.into()]);
             operands.into_iter().zip(words).for_each(|(input, word)| bench.set(input, word));
-            let weight = |numerator: f32| if is_hit { canonical(numerator / t_denom) } else { 0 };
-            inside.push_back([tag, weight(u), weight(v)]);
+            let own = |numerator: f32| {
+                if is_hit { weight(numerator.to_bits().into(), t_denom.to_bits().into()) } else { 0 }
+            };
+            inside.push_back([tag, own(u), own(v)]);
         }
     }
     Ok(())
 }
 
-/// The word of a number, of NaN the canonical one.
-fn canonical(number: f32) -> u64 {
-    (if number.is_nan() { f32::NAN } else { number }).to_bits().into()
+/// The word of the quotient of two words; of NaN the canonical one.
+pub fn weight(numerator: u64, denominator: u64) -> u64 {
+    let quotient = f32::from_bits(numerator as u32) / f32::from_bits(denominator as u32);
+    (if quotient.is_nan() { f32::NAN } else { quotient }).to_bits().into()
 }
