@@ -4,7 +4,7 @@
 use super::evaluate::behind;
 use super::graph::{Graph, Id, Kind, Node, Op};
 use crate::Error;
-use raypath_ops::{Direction, Relation, Test};
+use raypath_ops::{Direction, Narrowing, Relation, Test};
 use raypath_tools::{SmtSolver, ToolError, temporary_folder};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -19,6 +19,9 @@ pub struct Solver {
 /// Z3's limit for a question, in its units of work, so that its answers do not depend on the machine: about a second,
 /// and three times what the longest known proof needs.
 const WORK: u32 = 2_000_000;
+
+/// The bits of a binary32 significand.
+const SIGNIFICAND: u32 = 24;
 
 /// The longest time for all questions of one run of Z3.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -91,7 +94,7 @@ pub enum Scope {
     /// At the last value that all effects of the fault pass, else at the outputs. Numbers that the fault does not
     /// affect may be any but NaN, where a lemma says so.
     Near,
-    /// At that value. Only sums, products and roundings that the fault does not affect may be any.
+    /// At that value. Only sums and products that the fault does not affect may be any.
     Cut,
     /// At the outputs and next states, with the laws of all sums, products and roundings.
     Laws,
@@ -182,7 +185,7 @@ pub fn question(known: Known<'_>, faulty: &Graph, scope: Scope) -> Option<String
     };
     let is_free = |id: Id| {
         let op = graph.nodes[id].op;
-        let computes = matches!(op, Op::Add | Op::Sum | Op::Subtract | Op::Multiply | Op::Narrow(_));
+        let computes = matches!(op, Op::Add | Op::Sum | Op::Subtract | Op::Multiply);
         !is_behind[id]
             && match scope {
                 Scope::Near => is_free_number(graph, id),
@@ -304,8 +307,7 @@ impl Script<'_> {
             }
             Op::Negate => Some(format!("(fp.neg {})", operand(0))),
             Op::Narrow(to) => {
-                let function = format!("narrow_{}_{:?}_{}", to.bits, to.direction, to.margin);
-                self.declare(&function, &format!("(declare-fun {function} (Number) Number)"));
+                let function = self.narrow(to);
                 let (a, narrow) = (operand(0), format!("({function} {})", operand(0)));
                 let relation = if to.direction == Direction::TowardZero { "fp.leq" } else { "fp.geq" };
                 let _ = writeln!(self.text, "(assert (narrow_laws {a} {narrow}))");
@@ -320,6 +322,13 @@ impl Script<'_> {
             Op::Compare => {
                 let _ = writeln!(self.text, "(define-fun {own}{id}a () Number {})", operand(0));
                 let _ = writeln!(self.text, "(define-fun {own}{id}b () Number {})", operand(1));
+                for [other, rounded] in [[0, 1], [1, 0]] {
+                    let id = node.operands[rounded];
+                    // A value behind the fault may be another rounding than the one that the dataflow has there.
+                    if of(id) == 'n' {
+                        self.order_of_rounded(&operand(other), id);
+                    }
+                }
                 return;
             }
             Op::Relation(relation) => {
@@ -373,6 +382,32 @@ impl Script<'_> {
     fn sum(&mut self, a: &str, b: &str) -> String {
         let _ = writeln!(self.text, "(assert (sum_laws {a} {b}))");
         format!("(sum_of {a} {b})")
+    }
+
+    /// The function of a rounding. Where it keeps all bits, its direction makes no difference.
+    fn narrow(&mut self, to: Narrowing) -> String {
+        let Narrowing { bits, direction, margin } = to;
+        let is_exact = bits == SIGNIFICAND && margin == 0;
+        let function =
+            if is_exact { "narrow_none".to_string() } else { format!("narrow_{bits}_{direction:?}_{margin}") };
+        self.declare(&function, &format!("(declare-fun {function} (Number) Number)"));
+        function
+    }
+
+    /// The law of a comparison with a rounded number: a rounding without margin keeps the order, and keeps numbers that
+    /// are rounded already.
+    fn order_of_rounded(&mut self, a: &str, rounded: Id) {
+        if let Op::Narrow(to) = self.graph.nodes[rounded].op
+            && to.margin == 0
+        {
+            let function = self.narrow(to);
+            for relation in ["fp.leq", "fp.geq"] {
+                let _ = writeln!(
+                    self.text,
+                    "(assert (=> ({relation} {a} n{rounded}) ({relation} ({function} {a}) n{rounded})))"
+                );
+            }
+        }
     }
 
     /// The laws of a sum that rounds once.

@@ -2,7 +2,8 @@ use super::replay::Replayed;
 use super::staging::{StagingFate, check};
 use super::*;
 use crate::oracle::Mistake;
-use raypath_ops::{RayBox, Rules};
+use rand::RngExt;
+use raypath_ops::{Binary32, Circuit, Narrowing, RayBox, Rules, Single};
 use raypath_sim::Datapath;
 use raypath_sim::jobs::any_jobs;
 use raypath_sim::lockstep::lockstep;
@@ -107,4 +108,33 @@ fn faults_of_staging_are_refused_or_harmless() {
     let fates = check(&mut Request::new(&mut watch)).expect("fates");
     assert!(fates.iter().any(|(_, fate)| *fate == StagingFate::Refused), "{fates:?}");
     assert!(fates.iter().all(|(_, fate)| !matches!(fate, StagingFate::Wrong(_))), "{fates:?}");
+}
+
+/// The laws by which questions know roundings, for the datapath's own rounding.
+#[test]
+fn roundings_without_margin_keep_the_order_and_rounded_numbers() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let narrow = |number: f32, to| Binary32.narrow(Single(number), to).0;
+    for bits in 3..=24 {
+        for to in [Narrowing::toward_zero(bits), Narrowing::away_from_zero(bits)] {
+            for _ in 0..2000 {
+                let a: u32 = random.random();
+                // The other number is often next to a rounding of the first.
+                let b = narrow(f32::from_bits(a), to).to_bits().wrapping_add_signed(random.random_range(-2..=2));
+                let [a, b] = [a, if random.random() { b } else { random.random() }].map(f32::from_bits);
+                let rounded = narrow(b, to);
+                assert_eq!(narrow(rounded, to).to_bits(), rounded.to_bits(), "{b:e} {to:?}");
+                if a <= rounded {
+                    assert!(narrow(a, to) <= rounded, "{a:e} {b:e} {to:?}");
+                }
+                if a >= rounded {
+                    assert!(narrow(a, to) >= rounded, "{a:e} {b:e} {to:?}");
+                }
+                if bits == 24 {
+                    let other = [Narrowing::toward_zero(bits), Narrowing::away_from_zero(bits)];
+                    assert_eq!(narrow(a, other[0]).to_bits(), narrow(a, other[1]).to_bits(), "{a:e}");
+                }
+            }
+        }
+    }
 }
