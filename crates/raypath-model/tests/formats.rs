@@ -1,9 +1,7 @@
 //! The operations in software arithmetic and in binary64, compared with native binary32: bit by bit in binary32, and in
 //! other formats for values that need no rounding.
 
-mod common;
-
-use common::EDGES;
+use crate::common::EDGES;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;

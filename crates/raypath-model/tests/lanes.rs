@@ -1,9 +1,7 @@
 //! Jobs side by side in SIMD lanes, with every instruction set that this machine has, against the same jobs one by one
 //! in software arithmetic.
 
-mod common;
-
-use common::EDGES;
+use crate::common::EDGES;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;

@@ -1,9 +1,7 @@
 //! Measurements with Yosys, OpenSTA and Debian's cell library: of a design small enough to know its figures, and of an
 //! elaborated datapath, whose report finds every register and unit by its name.
 
-mod common;
-
-use common::bench;
+use crate::common::bench;
 use raypath_hdl::{Builder, Module, Wire};
 use raypath_ops::{Circuit, Num, Operation, bundle};
 use raypath_ppa::{Bench, Design, Error, Report, Stage};

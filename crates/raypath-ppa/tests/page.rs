@@ -3,16 +3,14 @@
 
 #[path = "../../raypath-timing/tests/report/chromium.rs"]
 mod chromium;
-#[path = "common/setting.rs"]
-mod setting;
 
+use crate::common::setting::setting;
 use chromium::Page;
 use raypath_ppa::explore::{
     Candidate, Found, Goal, LinearPredictor, Metric, Predicted, Search, SearchReport, Status, Terms, Values,
 };
 use raypath_ppa::{Area, Path, Report, Slowest, Stage, Step, Units};
 use serde_json::{Value, json};
-use setting::setting;
 use std::collections::BTreeMap;
 
 impl Page {

@@ -1,9 +1,7 @@
 //! The activity of every net of a small design, compared with Verilator's values of the same nets. The models of the
 //! cells for Verilator are Yosys's reading of the library.
 
-mod common;
-
-use common::bench;
+use crate::common::bench;
 use raypath_hdl::{Builder, Module, Wire};
 use raypath_ppa::{DEFAULT_LIBRARY, Design, Error, PowerResults, STREAMS, Workload};
 use raypath_tools::{Options, Verilated};

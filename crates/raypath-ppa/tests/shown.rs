@@ -1,8 +1,6 @@
 //! Tables and pictures of a report small enough to compute by hand.
 
-#[path = "common/setting.rs"]
-mod setting;
-
+use crate::common::setting::setting;
 use raypath_ppa::tables::{
     areas, comparison, energy_by_kind, energy_by_stage, explored, paths, power_summary, summary, units, workloads,
 };
@@ -10,7 +8,6 @@ use raypath_ppa::{
     Area, Baseline, DesignPoint, Exploration, Path, Power, Report, Setting, Slowest, Stage, StagePower, Step, Units,
     WorkloadPower, charts,
 };
-use setting::setting;
 use std::collections::BTreeMap;
 
 fn area(units: &[(&str, u64, f64)], registers: f64, operand_muxes: f64) -> Area {

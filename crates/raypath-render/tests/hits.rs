@@ -2,13 +2,11 @@
 //!
 //! `RAYPATH_RAYS` is the number of rays of each kind per mesh, by default 5,000, half of them two-sided. `RAYPATH_MESH`
 //! selects one mesh. The campaign traces a million rays per mesh:
-//! `RAYPATH_RAYS=250000 cargo test --release -p raypath-render --test hits --test watertight -- --nocapture`.
+//! `RAYPATH_RAYS=250000 cargo test --release -p raypath-render --test integration -- hits watertight --nocapture`.
 
-mod common;
-
-use common::meshes::{self, Named};
-use common::oracle::{Oracle, Verdict};
-use common::rays::{Kind, rays};
+use crate::common::meshes::{self, Named};
+use crate::common::oracle::{Oracle, Verdict};
+use crate::common::rays::{Kind, rays};
 use rayon::prelude::*;
 use raypath_ops::{Binary32, Operation, Ray, RayTriangle, RayTriangleInput, Rounding, Rules, Triangle};
 use raypath_render::{Hit, Mesh, Scene, Tracing, trace_any, trace_closest};

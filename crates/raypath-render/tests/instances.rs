@@ -1,10 +1,8 @@
 //! Scenes of instances: the same hits as the mesh alone where a place changes nothing, and as all triangles of all
 //! instances as one mesh where it does.
 
-mod common;
-
-use common::meshes::{self, Named};
-use common::rays::{Kind, rays};
+use crate::common::meshes::{self, Named};
+use crate::common::rays::{Kind, rays};
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{
     Camera, Goal, Mesh, Placement, Scene, Shading, Tracer, Tracing, draw, parse_instances, render, trace_closest,

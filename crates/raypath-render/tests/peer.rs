@@ -1,9 +1,7 @@
 //! Comparison with obvhs: an independent tree and triangle test.
 
-mod common;
-
-use common::meshes;
-use common::rays::{Kind, rays};
+use crate::common::meshes;
+use crate::common::rays::{Kind, rays};
 use raypath_render::compare::compare;
 use raypath_render::{Scene, Stopped, Tracing};
 

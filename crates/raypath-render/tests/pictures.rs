@@ -1,8 +1,6 @@
 //! Cameras and pictures.
 
-mod common;
-
-use common::meshes;
+use crate::common::meshes;
 use image::ImageReader;
 use raypath_ops::Ray;
 use raypath_render::{Camera, Mesh, RenderError, Rendering, Scene, Shading, Stopped, Tracing, heatmap, render, to_png};

@@ -1,9 +1,7 @@
 //! Scenes with quantised nodes, compared with the same scenes with wide ones.
 
-mod common;
-
-use common::meshes::{self, Named};
-use common::rays::{Kind, rays};
+use crate::common::meshes::{self, Named};
+use crate::common::rays::{Kind, rays};
 use raypath_model::Shape;
 use raypath_ops::Rules;
 use raypath_render::{

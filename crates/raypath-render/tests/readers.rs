@@ -1,11 +1,9 @@
 //! Readers of mesh files, and of files of rays and hits: valid files, truncated files, and files with wrong content or
 //! headers.
 
-mod common;
-
+use crate::common::meshes;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use common::meshes;
 use flate2::read::GzDecoder;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};

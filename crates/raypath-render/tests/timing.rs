@@ -1,9 +1,7 @@
 //! The cycle-exact simulation: pictures, hits, jobs and fetches equal those of the renderer.
 
-mod common;
-
-use common::meshes;
-use common::rays::{Kind, rays};
+use crate::common::meshes;
+use crate::common::rays::{Kind, rays};
 use image::Rgb;
 use raypath_model::{Control, Shape};
 use raypath_ops::{JobKind, Ray, RayError};

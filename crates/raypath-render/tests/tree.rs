@@ -1,9 +1,7 @@
 //! The structure of the tree and its traversal, and of the built-in scene: closed bodies with outward faces.
 
-mod common;
-
-use common::meshes;
-use common::rays::{Kind, rays};
+use crate::common::meshes;
+use crate::common::rays::{Kind, rays};
 use raypath_model::Functional;
 use raypath_ops::{Aabb, Binary32, Ray, Rules};
 use raypath_render::bvh::{Reference, Target};

@@ -1,11 +1,9 @@
 //! The functional model of the traversal unit, compared with the tracer, whose hits `hits.rs` compares with exact
 //! geometry, with exact geometry itself, and with the jobs of all triangles.
 
-mod common;
-
-use common::meshes::{self, Named};
-use common::oracle::Oracle;
-use common::rays::{Kind, rays};
+use crate::common::meshes::{self, Named};
+use crate::common::oracle::Oracle;
+use crate::common::rays::{Kind, rays};
 use rayon::prelude::*;
 use raypath_model::Shape;
 use raypath_ops::{

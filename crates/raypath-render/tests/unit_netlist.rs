@@ -1,10 +1,8 @@
 //! The traversal unit on real meshes and degenerate scenes: its cycle-exact model, its simulated netlist and its text
 //! in Verilator are equal at every port in every cycle, and every reply is that of the functional model.
 
-mod common;
-
-use common::meshes::{self, Named};
-use common::rays::{Kind, rays};
+use crate::common::meshes::{self, Named};
+use crate::common::rays::{Kind, rays};
 use raypath_render::{Mesh, Scene};
 use raypath_rtl::Config;
 use raypath_tools::{Options, Sources, ToolError, Verilated};

@@ -1,9 +1,7 @@
 //! Watertightness: traversal with boxes is as watertight as the triangle test.
 
-mod common;
-
-use common::meshes::{self, Named};
-use common::patches::Patches;
+use crate::common::meshes::{self, Named};
+use crate::common::patches::Patches;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;

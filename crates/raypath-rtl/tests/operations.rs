@@ -1,9 +1,6 @@
 //! Operations that are not in the paper: their elaboration, and errors.
 
-#[macro_use]
-mod common;
-
-use common::drive::drive;
+use crate::common::drive::drive;
 use raypath_float::Format;
 use raypath_ops::{Bit, Circuit, Flags, Num, Operation, Word, bundle};
 use raypath_rtl::{Config, Control, Datapath, Encoding, Error, Operations, Sharing, UnitLatency};

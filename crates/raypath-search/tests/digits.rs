@@ -1,9 +1,7 @@
 //! Exact search on a real data set, against integer arithmetic and scikit-learn. Pixels of the digits are integers from
 //! 0 to 16, so binary32 represents every sum, and ties are exact.
 
-mod common;
-
-use common::{PIXELS, digits, unzip, vectors};
+use crate::common::{PIXELS, digits, unzip, vectors};
 use raypath_search::{Exact, Metric};
 use std::cmp::Ordering;
 

@@ -1,8 +1,6 @@
 //! Graph search: its recall on the digits, its reproducibility, and its traces.
 
-mod common;
-
-use common::{digits, vectors};
+use crate::common::{digits, vectors};
 use raypath_search::{
     Clusters, Datapath, Exact, Graph, GraphParameters, Metric, Neighbours, SearchError, Vectors, recall,
 };

@@ -1,8 +1,6 @@
 //! Scenes of two levels: what a ray does in an instance, made by hand, and against every triangle in binary64.
 
-mod common;
-
-use common::{along_z, at};
+use crate::common::{along_z, at};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Shape;

@@ -1,8 +1,6 @@
 //! Units with quantised nodes: their layout, their hits, and their hardware.
 
-mod common;
-
-use common::{along_z, at};
+use crate::common::{along_z, at};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::Shape;

@@ -1,8 +1,6 @@
 //! Scenes made by hand: degenerate trees, and memories that are no trees.
 
-mod common;
-
-use common::{along_z, at};
+use crate::common::{along_z, at};
 use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Rules, Triangle};
 use raypath_unit::blocks::{Child, LeafTriangle, NodeKind};

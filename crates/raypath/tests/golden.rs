@@ -1,7 +1,6 @@
 //! The golden vectors, recorded from the original hardware, in every engine, order and handshake pattern.
 
-mod recorded;
-
+use crate::recorded::golden;
 use raypath::model::{Shape, WordModel, Words};
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Multiplier, Sharing, UnitLatency};
@@ -9,7 +8,6 @@ use raypath::sim::Datapath;
 use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine, Run, drive, evaluate};
 use raypath::sim::traffic::{Traffic, interleave};
 use raypath::sim::transactions::Transaction;
-use recorded::golden;
 
 const CHISEL: Config = Config::DEFAULT.rules(Rules::Chisel);
 

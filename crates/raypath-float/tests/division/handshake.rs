@@ -1,6 +1,6 @@
 //! Latency, interval, stalls, tags, and what is refused.
 
-use crate::driver::{ALWAYS, Job, Outcome, Traffic, Unit};
+use crate::division::driver::{ALWAYS, Job, Outcome, Traffic, Unit};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::{DivSqrt, Format};

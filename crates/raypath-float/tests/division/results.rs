@@ -1,6 +1,6 @@
 //! Results for all operands of small formats, and for hard and random ones of larger formats.
 
-use crate::driver::{ALWAYS, Job, Unit};
+use crate::division::driver::{ALWAYS, Job, Unit};
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
 use raypath_float::{DivSqrt, Format};

@@ -1,6 +1,6 @@
 //! All sizes of formats, compared with LLVM's soft float (the crate `rustc_apfloat`).
 
-use crate::operands::{Operands, cases};
+use crate::format::operands::{Operands, cases};
 use rand::RngExt;
 use raypath_float::Format;
 use rustc_apfloat::ieee::{BFloatS, Double, HalfS, IeeeFloat, Semantics, Single, SingleS};

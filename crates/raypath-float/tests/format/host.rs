@@ -1,6 +1,6 @@
 //! binary32 against the host's `f32`.
 
-use crate::operands::{Operands, cases};
+use crate::format::operands::{Operands, cases};
 use raypath_float::Format;
 use std::collections::BTreeMap;
 

@@ -1,5 +1,7 @@
 //! The measurement that tests make: small designs in the free library, with the system's tools.
 
+pub mod setting;
+
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Library};
 use raypath_tools::{OpenSta, Yosys, YosysKind};
 use std::path::Path;

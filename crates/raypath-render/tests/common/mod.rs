@@ -1,7 +1,5 @@
 //! Meshes, rays, and an independent oracle of hits.
 
-#![allow(dead_code, reason = "each test uses a part")]
-
 pub mod exact;
 pub mod meshes;
 pub mod oracle;

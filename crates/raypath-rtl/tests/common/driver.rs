@@ -1,6 +1,6 @@
 //! Comparison of a netlist with its operations, for random jobs.
 
-use crate::drive::{Ports, drive};
+use super::drive::{Ports, drive};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::{Concrete, Operation, Port, PortKind, from_words, ports_of, to_canonical_words};

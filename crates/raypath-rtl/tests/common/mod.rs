@@ -1,6 +1,7 @@
 //! Shared code of tests with operations that are not in the paper.
 
 pub mod drive;
+pub mod driver;
 
 /// Declares an operation from the types `Input` and `Output` at its place of use; with a third parameter, it also has a
 /// `State`.

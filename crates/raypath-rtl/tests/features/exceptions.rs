@@ -1,6 +1,6 @@
 //! Exceptions: units compared with exact arithmetic, and jobs with a circuit that collects exceptions.
 
-use crate::check;
+use crate::features::check;
 use raypath_float::{Format, add_parts, flags, mul_parts};
 use raypath_hdl::{Module, Simulator};
 use raypath_ops::{Flagged, Rules};

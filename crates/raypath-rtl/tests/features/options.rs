@@ -1,8 +1,8 @@
 //! Features of the paper's operations: the netlist equals the operations bit for bit, and features that are off add no
 //! text to that of the plain operations.
 
-use crate::check;
-use crate::drive::{Ports, drive};
+use crate::common::drive::{Ports, drive};
+use crate::features::check;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
@@ -259,9 +259,8 @@ fn a_visitor_sees_what_the_hardware_has() {
     }
 }
 
-/// Prints the cost of each feature, for `docs/reference/features.md`: `cargo test --release -p raypath-rtl --test
-/// features costs --
-/// --nocapture`.
+/// Prints the cost of each feature, for `docs/reference/features.md`:
+/// `cargo test --release -p raypath-rtl --test integration options::costs -- --nocapture`.
 #[test]
 fn costs() {
     let of = |features| {

@@ -1,6 +1,6 @@
 //! The cocotb example passes on the printed text.
 
-use crate::folder::{preset, write};
+use crate::package::folder::{preset, write};
 use std::path::Path;
 use std::process::Command;
 

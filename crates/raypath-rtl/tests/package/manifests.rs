@@ -1,7 +1,7 @@
 //! The list and the manifests name the existing files. FuseSoC reads its core file, and a YAML parser Bender's
 //! manifest.
 
-use crate::folder::{Written, preset, write};
+use crate::package::folder::{Written, preset, write};
 use raypath_tools::lint_verilator;
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The wrapper: lint, and comparison with the datapath without wrapper.
 
-use crate::folder::{PRESETS, Written, preset, write};
-use crate::frames::agree_in_frames;
+use crate::package::folder::{PRESETS, Written, preset, write};
+use crate::package::frames::agree_in_frames;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_hdl::{Builder, Module};

@@ -1,7 +1,7 @@
 //! Dead values are not in the hardware, unless their exceptions are an output.
 
-use crate::drive::drive;
-use crate::{Input, Output, arithmetic, assert_within, units};
+use crate::common::drive::drive;
+use crate::staging::{Input, Output, arithmetic, assert_within, units};
 use raypath_float::flags;
 use raypath_ops::{Circuit, Num, Operation, bundle};
 use raypath_rtl::{Budget, Datapath, Error, Microarchitecture, Operations, UnitLatency, Units};

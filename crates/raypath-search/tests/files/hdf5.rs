@@ -1,4 +1,4 @@
-use crate::common::{Written, assert_error, base, unzip};
+use super::common::{Written, assert_error, base, unzip};
 use hdf5_pure::{AttrValue, FileBuilder};
 use raypath_search::{Dataset, Exact, Metric, read_neighbours, read_vectors};
 

@@ -1,4 +1,4 @@
-use crate::common::{Written, assert_neighbours_error, assert_vectors_error, base, unzip};
+use super::common::{Written, assert_neighbours_error, assert_vectors_error, base, unzip};
 
 /// A file of version 1 with this header and data.
 fn npy(header: &str, data: &[u8]) -> Vec<u8> {

@@ -1,4 +1,4 @@
-use crate::common::{Written, assert_error, assert_neighbours_error, assert_vectors_error};
+use super::common::{Written, assert_error, assert_neighbours_error, assert_vectors_error};
 use raypath_search::{Neighbour, SearchResults, Vectors, Work, write_fvecs, write_ivecs};
 
 /// Records with the given dimension fields and content.

@@ -1,7 +1,7 @@
 //! The page in Chromium: it loads, shows the numbers of the recording, zooms, and runs no embedded script.
 
-use crate::chromium::Page;
-use crate::common;
+use crate::report::chromium::Page;
+use crate::report::common;
 use raypath_model::Control;
 use raypath_timing::report::{Recording, html};
 use serde_json::json;

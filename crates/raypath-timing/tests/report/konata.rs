@@ -1,7 +1,7 @@
 //! The log, read by a strict parser written after the description of the format (`docs/kanata-log-format.md` of
 //! Konata).
 
-use crate::common;
+use crate::report::common;
 use raypath_model::Control;
 use raypath_timing::report::{Recording, konata};
 use std::collections::HashMap;

@@ -1,6 +1,6 @@
 //! The recorder, compared with known positions and with the positions that the model reports.
 
-use crate::common::{self, run, shape};
+use crate::report::common::{self, run, shape};
 use raypath_model::{Control, CycleModel, Functional, PipelinePosition};
 use raypath_ops::Rules;
 use raypath_timing::report::{Recorder, Window};

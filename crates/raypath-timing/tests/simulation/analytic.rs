@@ -1,6 +1,6 @@
 //! Simulations whose cycle counts follow from formulas, and the errors of invalid agents.
 
-use crate::common::{Echo, Script, Tag, echo, issue};
+use crate::simulation::common::{Echo, Script, Tag, echo, issue};
 use raypath_model::{Control, Loop, Shape};
 use raypath_ops::JobKind::{Angular, Euclidean, Quadbox, Triangle};
 use raypath_timing::{Action, Environment, Observer, SimulationError, Sink, Starved, Timing, simulate};
@@ -184,7 +184,7 @@ fn the_progress_callback_stops_endless_agents() {
         fn next_action(&mut self) -> Action<Tag> {
             Action::Fetch
         }
-        fn receive(&mut self, _: &crate::common::Tag) {}
+        fn receive(&mut self, _: &crate::simulation::common::Tag) {}
     }
     for memory_latency in [0, 1, 100] {
         let calls = Cell::new(0);

@@ -1,6 +1,6 @@
 //! Random agents, compared with the functional model and with an independent simulator that visits every cycle.
 
-use crate::common::{Echo, Script, Tag, echo};
+use crate::simulation::common::{Echo, Script, Tag, echo};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};

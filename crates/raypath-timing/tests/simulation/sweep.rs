@@ -1,6 +1,6 @@
 //! Sweeps: each point equals a simulation of its own, and the plot shows every point.
 
-use crate::common::{Echo, Script, echo, issue};
+use crate::simulation::common::{Echo, Script, echo, issue};
 use raypath_model::Shape;
 use raypath_ops::JobKind::Quadbox;
 use raypath_timing::{Action, Environment, SimulationError, Sweep, plot, simulate, sweep};

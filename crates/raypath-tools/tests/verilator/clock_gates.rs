@@ -1,6 +1,6 @@
 //! Clock gates in Verilator: registers behind gates beside registers without, which read each other.
 
-use crate::compare::agree;
+use crate::verilator::compare::agree;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Builder, Module};

@@ -1,6 +1,6 @@
 //! Lints a module, and runs it in both simulators with the same stimuli.
 
-use crate::frames::agree_in_frames;
+use crate::verilator::frames::agree_in_frames;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;

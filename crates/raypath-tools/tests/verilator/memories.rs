@@ -1,7 +1,7 @@
 //! Memories in Verilator, and in Yosys, which infers them.
 
-use crate::compare::agree;
-use crate::netlists::{Contents, WIDTHS, netlist};
+use crate::verilator::compare::agree;
+use crate::verilator::netlists::{Contents, WIDTHS, netlist};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Builder, Module, expand_memories};

@@ -1,8 +1,8 @@
 //! Every operator at the widths around machine words, alone and nested, where Verilog's rules on the widths of
 //! expressions apply.
 
-use crate::compare::agree;
-use crate::every::every_operator;
+use crate::verilator::compare::agree;
+use crate::verilator::every::every_operator;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Builder, Label, Module, Wire};

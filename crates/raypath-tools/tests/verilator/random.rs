@@ -1,7 +1,7 @@
 //! Random netlists side by side in one top module.
 
-use crate::compare::agree;
-use crate::netlists::{Contents, WIDTHS, netlist};
+use crate::verilator::compare::agree;
+use crate::verilator::netlists::{Contents, WIDTHS, netlist};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Builder;

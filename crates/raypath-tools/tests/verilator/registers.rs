@@ -1,6 +1,6 @@
 //! Registers: enables, resets in any cycle, nested instances.
 
-use crate::compare::agree;
+use crate::verilator::compare::agree;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Builder, Module};

@@ -1,6 +1,6 @@
 //! binary32 against the host's `f32`.
 
-use crate::{bench, converter};
+use crate::units::{bench, converter};
 use rand::rngs::ChaCha8Rng;
 use raypath_float::{Format, decode, encode};
 use raypath_verify::units::bench::{PortFormat, UnitResults};

@@ -1,8 +1,8 @@
 //! Rounding to shorter significands, alone and after a product, by search among all numbers of small formats and by the
 //! host's binary64.
 
-use crate::converter;
-use crate::exact::Exact;
+use crate::units::converter;
+use crate::units::exact::Exact;
 use raypath_float::{Format, Narrow, decode_narrow, mul_by_short_parts, mul_narrow_parts, narrow};
 use raypath_verify::units::bench::{Simulated, chain};
 

@@ -1,7 +1,7 @@
 //! Random operands in formats between the exhaustible ones and the largest, against LLVM's soft float.
 
-use crate::bench;
-use crate::binary32::cases;
+use crate::units::bench;
+use crate::units::binary32::cases;
 use rand::Rng;
 use raypath_float::Format;
 use raypath_verify::units::bench::{PortFormat, UnitResults};

@@ -1,7 +1,7 @@
 //! All operands of small formats, and all recoded words.
 
-use crate::exact::Exact;
-use crate::{bench, converter};
+use crate::units::exact::Exact;
+use crate::units::{bench, converter};
 use raypath_float::{decode, encode};
 use raypath_verify::units::bench::{PortFormat, UnitResults};
 use raypath_verify::units::oracle;

@@ -3,8 +3,8 @@
 //! The oracle is written from the text of `docs/reference/semantics.md`. A number is an integer in units of the last
 //! place of subnormal numbers.
 
-use crate::converter;
-use crate::exact::Exact;
+use crate::units::converter;
+use crate::units::exact::Exact;
 use num_bigint::{BigInt, BigUint, Sign};
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;

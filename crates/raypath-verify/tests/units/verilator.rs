@@ -1,7 +1,7 @@
 //! The units' SystemVerilog: in Verilator against the same oracles, and in the linters.
 
-use crate::exact::Exact;
-use crate::small_formats;
+use crate::units::exact::Exact;
+use crate::units::small_formats;
 use rand::Rng;
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module};

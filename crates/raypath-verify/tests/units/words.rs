@@ -1,6 +1,6 @@
 //! Conversion of words to numbers: every word of every width that a format supports.
 
-use crate::converter;
+use crate::units::converter;
 use raypath_float::{Format, number};
 
 #[test]

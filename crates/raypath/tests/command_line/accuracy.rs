@@ -1,7 +1,7 @@
 //! The accuracy of formats: errors counted by hand, bounds on rounding errors, and changes that must not affect
 //! results.
 
-use crate::{ends_with, raypath};
+use crate::command_line::{ends_with, raypath};
 use raypath::float::Format;
 use raypath::ops::Rules;
 use raypath_cli::accuracy::{Accuracy, Errors, Quantiles, Quantity, RAYS, Row};

@@ -1,6 +1,6 @@
 //! `raypath bench`.
 
-use crate::{folder, raypath, said, text};
+use crate::command_line::{folder, raypath, said, text};
 
 #[test]
 fn rates_are_printed_and_written() {

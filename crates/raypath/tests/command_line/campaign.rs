@@ -1,6 +1,6 @@
 //! `raypath replay` reproduces the failures that a campaign has written to files.
 
-use crate::{ends_with, file, folder, text};
+use crate::command_line::{ends_with, file, folder, text};
 use raypath::hdl::Module;
 use raypath::hdl::mutate::{faults, replace};
 use raypath::ops::Culling;

@@ -1,6 +1,6 @@
 //! `raypath fpga`: missing programs, wrong input, and a board that does not answer.
 
-use crate::{ends_with, file, folder, program_ends_with};
+use crate::command_line::{ends_with, file, folder, program_ends_with};
 use std::process::Command;
 
 #[test]

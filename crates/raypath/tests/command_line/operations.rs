@@ -1,6 +1,6 @@
 //! Added operations, and features of the paper's operations, on the command line.
 
-use crate::{ends_with, file, folder, raypath, said, text};
+use crate::command_line::{ends_with, file, folder, raypath, said, text};
 use raypath::oracle::{AnyOperationSpec, added_operations};
 use std::fs::read_to_string;
 

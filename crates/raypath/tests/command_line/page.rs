@@ -1,6 +1,6 @@
 //! The output of runs that succeed, and reports as a browser shows them.
 
-use crate::{raypath, said, text};
+use crate::command_line::{raypath, said, text};
 use std::path::Path;
 use std::process::Command;
 
@@ -25,7 +25,7 @@ pub fn writes(arguments: &[&str], folder: &Path, files: &[(&str, &str)]) -> Stri
 
 /// The rows of a report's table of counts after Chromium has run the page's script: labels and values.
 pub fn counts(page: &Path) -> Vec<(String, String)> {
-    let folder = crate::folder();
+    let folder = crate::command_line::folder();
     let output = Command::new("chromium")
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", "--virtual-time-budget=5000"])
         .arg(format!("--user-data-dir={}", folder.path().display()))

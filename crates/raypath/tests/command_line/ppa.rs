@@ -1,6 +1,6 @@
 //! `raypath ppa` and `raypath explore`: missing programs, wrong input, and stops.
 
-use crate::{program_ends_with, said, text};
+use crate::command_line::{program_ends_with, said, text};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -1,6 +1,6 @@
 //! `raypath render`.
 
-use crate::{ends_with, file, folder, page, printed, raypath, said, text};
+use crate::command_line::{ends_with, file, folder, page, printed, raypath, said, text};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};

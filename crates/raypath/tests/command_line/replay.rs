@@ -1,6 +1,6 @@
 //! `raypath replay` of added operations, and its reports.
 
-use crate::{GOLDEN, ends_with, file, folder, page, printed, text};
+use crate::command_line::{GOLDEN, ends_with, file, folder, page, printed, text};
 use raypath::model::Model;
 use raypath::oracle::added_operations;
 use raypath::rtl::Config;

@@ -1,6 +1,6 @@
 //! `raypath search`.
 
-use crate::{ends_with, file, folder, page, printed, text};
+use crate::command_line::{ends_with, file, folder, page, printed, text};
 use std::path::Path;
 
 fn fvecs(folder: &Path, name: &str, rows: &[&[f32]]) -> String {

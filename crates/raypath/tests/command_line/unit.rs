@@ -1,6 +1,6 @@
 //! `raypath generate --unit`.
 
-use crate::{contents, ends_with, file, folder, page, printed, raypath, said, text};
+use crate::command_line::{contents, ends_with, file, folder, page, printed, raypath, said, text};
 use raypath_tools::{lint_slang, lint_verilator, lint_yosys};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -67,7 +67,7 @@ fn the_unit_is_written_listed_and_checked() {
     lint_slang(&paths).expect("no report of slang");
     let fusesoc = ["--cores-root", ".", "run", "--target=lint", "raypath_unit"];
     let output = Command::new("fusesoc").args(fusesoc).current_dir(folder.path()).output().expect("fusesoc");
-    assert!(output.status.success(), "{}", crate::said(&output));
+    assert!(output.status.success(), "{}", crate::command_line::said(&output));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The documents: chapters, includes, links, paths of files, and the quoted output of examples.
 
-use crate::{files, root, text};
+use crate::layout::{files, root, text};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,7 +1,7 @@
 //! Tables in the documents that are compared with the code.
 
-use crate::manifests::dependencies;
-use crate::{root, text};
+use crate::layout::manifests::dependencies;
+use crate::layout::{root, text};
 use raypath::oracle::added_operations;
 use raypath::rtl::report::tables::list;
 use raypath::rtl::{Config, PARAMETER_GROUPS};

@@ -1,6 +1,6 @@
 //! Import cycles between the files of a crate.
 
-use crate::{files, root, text};
+use crate::layout::{files, root, text};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

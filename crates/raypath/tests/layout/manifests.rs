@@ -1,6 +1,6 @@
 //! The permitted dependencies between crates, and the requirements of Cargo for packages.
 
-use crate::{root, text};
+use crate::layout::{root, text};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;

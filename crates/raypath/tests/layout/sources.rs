@@ -1,6 +1,6 @@
 //! Limits on sources and prose.
 
-use crate::{files, root, text};
+use crate::layout::{files, root, text};
 use std::path::PathBuf;
 
 /// The sources of all crates, without tests and examples.

@@ -1,7 +1,7 @@
 //! A beat adds to its own accumulator exactly once, and nothing else changes the accumulator.
 
-use crate::answers::{answers_under, numbers};
-use crate::random::{self, rng};
+use crate::semantics::answers::{answers_under, numbers};
+use crate::semantics::random::{self, rng};
 use rand::RngExt;
 use raypath::ops::{Beat, BeatInput, Binary32, Flags, Job, JobKind, Outcome, Rules};
 use raypath::sim::traffic::Traffic;

@@ -1,8 +1,8 @@
 //! A NaN at an output is 7fc00000 for every NaN at the inputs. (`answers` checks the raw bits of the netlist in every
 //! test; the jobs here make every output number a NaN.)
 
-use crate::answers::{answers, numbers};
-use crate::random::mixed_jobs;
+use crate::semantics::answers::{answers, numbers};
+use crate::semantics::random::mixed_jobs;
 use raypath::ops::{Job, JobKind, Num, Outcome, Rules};
 
 const NANS: [u32; 7] = [0x7fc0_0000, 0xffc0_0000, 0x7f80_0001, 0xff80_0001, 0x7fff_ffff, 0xffff_ffff, 0x7fd5_5555];

@@ -1,9 +1,9 @@
 //! Boxes in exact arithmetic: if no operation rounds, the outcome is that of geometry. A box is hit if a point of the
 //! ray, within its extent, is in all three closed slabs.
 
-use crate::answers::{Hits, INF, answers, hits, quadbox, ray};
-use crate::exact::{Rational, rational, to_f32};
-use crate::random::rng;
+use crate::semantics::answers::{Hits, INF, answers, hits, quadbox, ray};
+use crate::semantics::exact::{Rational, rational, to_f32};
+use crate::semantics::random::rng;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath::ops::{Aabb, Rules};

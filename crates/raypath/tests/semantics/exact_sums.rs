@@ -1,7 +1,7 @@
 //! Distances of integers: every sum is a binary32 number, so the outcome must be exact.
 
-use crate::answers::{answers_under, numbers};
-use crate::random::rng;
+use crate::semantics::answers::{answers_under, numbers};
+use crate::semantics::random::rng;
 use rand::RngExt;
 use raypath::ops::{Job, JobKind, Rules};
 use raypath::sim::traffic::Traffic;

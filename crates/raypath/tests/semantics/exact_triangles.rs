@@ -1,9 +1,9 @@
 //! Triangles in exact arithmetic: if no operation rounds, the outcome is that of geometry. The oracle uses the
 //! formulation of Möller and Trumbore instead of the datapath's.
 
-use crate::answers::{INF, answers, ray};
-use crate::exact::{Exact, Rational, rational, to_f32};
-use crate::random::rng;
+use crate::semantics::answers::{INF, answers, ray};
+use crate::semantics::exact::{Exact, Rational, rational, to_f32};
+use crate::semantics::random::rng;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath::ops::{Job, Outcome, RayTriangleInput, Rules, Triangle};

@@ -1,8 +1,8 @@
 //! The golden vectors under the rules `paper`: the same numbers, and other hits only where the rules differ.
 
-use crate::answers::answers;
-use crate::oracle::Oracle;
 use crate::recorded::golden;
+use crate::semantics::answers::answers;
+use crate::semantics::oracle::Oracle;
 use raypath::model::Words;
 use raypath::ops::{Job, Outcome, Rules};
 use raypath::sim::transactions::Transaction;

@@ -1,7 +1,7 @@
 //! The four accumulator faults of the original hardware: raypath reproduces none of them, under either rule set. A beat
 //! of these tests adds 16: sixteen lanes of (1 − 0)².
 
-use crate::answers::{self, Typed};
+use crate::semantics::answers::{self, Typed};
 use raypath::ops::{
     Aabb, Beat, BeatInput, Binary32, Flags, Job, Outcome, Ray, RayBoxInput, RayTriangleInput, Rules, Triangle,
 };

@@ -1,6 +1,6 @@
 //! Random jobs, reproducible by seed.
 
-use crate::answers::model;
+use crate::semantics::answers::model;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath::float::Format;

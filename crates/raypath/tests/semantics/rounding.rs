@@ -1,8 +1,8 @@
 //! Rounding: each operation in the order of Table VII, and none fused (see `oracle`).
 
-use crate::answers::answers;
-use crate::oracle::{Oracle, TriangleSteps, add, mul, sub};
-use crate::random::{mixed_jobs, rng};
+use crate::semantics::answers::answers;
+use crate::semantics::oracle::{Oracle, TriangleSteps, add, mul, sub};
+use crate::semantics::random::{mixed_jobs, rng};
 use rand::RngExt;
 use raypath::ops::Rules;
 
@@ -37,7 +37,7 @@ fn the_oracle_is_right_where_the_answer_is_known() {
     assert_eq!(mul(f32::from_bits(3), 0.5).to_bits(), 2);
     assert_eq!(sub(1.0, 1.0).to_bits(), 0);
     assert_eq!(sub(f32::MAX, -f32::MAX), f32::INFINITY);
-    let ray = crate::answers::ray([0.0; 3], [0.0, 0.0, 1.0], f32::INFINITY);
+    let ray = crate::semantics::answers::ray([0.0; 3], [0.0, 0.0, 1.0], f32::INFINITY);
     let triangle = raypath::ops::Triangle::new([-1.0, -1.0, 2.0], [0.0, 1.0, 2.0], [1.0, -1.0, 2.0]);
     let steps = TriangleSteps::of(&raypath::ops::RayTriangleInput { ray, triangle });
     assert_eq!([steps.u, steps.v, steps.w, steps.t_denom, steps.t_num], [1.0, 2.0, 1.0, 4.0, 8.0]);

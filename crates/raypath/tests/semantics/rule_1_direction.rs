@@ -1,6 +1,6 @@
 //! Ruling 1: the sign of the direction is the sign bit of inv.
 
-use crate::answers::{Box32, INF, Ray32, at, entry, ray};
+use crate::semantics::answers::{Box32, INF, Ray32, at, entry, ray};
 use raypath::ops::{Aabb, Rules};
 
 /// A ray along z that does not move along `axis`: its direction there is `dir`, its inverse `inv`.

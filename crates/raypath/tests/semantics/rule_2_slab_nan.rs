@@ -1,6 +1,6 @@
 //! Ruling 2: max and min ignore a slab distance that is NaN; a zero tmin is +0.0.
 
-use crate::answers::{INF, Ray32, at, entry, ray, slabs};
+use crate::semantics::answers::{INF, Ray32, at, entry, ray, slabs};
 use raypath::ops::{Aabb, Rules};
 
 /// A ray along z from z = −2, at (x, y), with zeros of these signs as its other two directions.

@@ -1,6 +1,6 @@
 //! Ruling 3: tmax is limited by the ray's extent.
 
-use crate::answers::{INF, Ray32, at, entry, ray, slabs};
+use crate::semantics::answers::{INF, Ray32, at, entry, ray, slabs};
 use raypath::ops::{Aabb, Rules};
 
 #[test]

@@ -1,6 +1,6 @@
 //! Ruling 4: tmin ≤ tmax is a hit, so flat boxes and touched corners are hit; a comparison with NaN is false.
 
-use crate::answers::{INF, Ray32, at, entry, ray, slabs};
+use crate::semantics::answers::{INF, Ray32, at, entry, ray, slabs};
 use raypath::ops::{Aabb, Rules};
 
 #[test]

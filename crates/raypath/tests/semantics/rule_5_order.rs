@@ -1,6 +1,6 @@
 //! Ruling 5: hits before misses, nearer before farther, equal distances by box index; a miss reports +∞.
 
-use crate::answers::{Box32, Hits, INF, Ray32, answers, hits, quadbox, ray};
+use crate::semantics::answers::{Box32, Hits, INF, Ray32, answers, hits, quadbox, ray};
 use raypath::ops::{Aabb, Rules};
 
 /// A ray along z whose distances are the bounds times 2^126: those of 2^10 and more overflow to +∞.

@@ -3,9 +3,9 @@
 //! The ray starts at 0 and points along z without shear, so a vertex's x and y enter U, V, W unchanged and its z is its
 //! depth.
 
-use crate::answers::{INF, answer, answers, ray};
-use crate::oracle::TriangleSteps;
-use crate::random::rng;
+use crate::semantics::answers::{INF, answer, answers, ray};
+use crate::semantics::oracle::TriangleSteps;
+use crate::semantics::random::rng;
 use rand::RngExt;
 use raypath::ops::{Job, Outcome, RayTriangleInput, Rules, Triangle};
 

@@ -1,6 +1,6 @@
 //! Ruling 7: a masked-off lane contributes +0.0 for any contents.
 
-use crate::answers::answers;
+use crate::semantics::answers::answers;
 use raypath::ops::{Beat, BeatInput, Flags, Job, Num, Outcome, Rules};
 
 const HOLDS: [u32; 10] = [
@@ -21,7 +21,7 @@ fn beat<const N: usize>(a: [u32; N], b: [u32; N], mask: u64) -> Beat<raypath::op
 }
 
 fn sums(outcome: &Outcome) -> Vec<u32> {
-    crate::answers::numbers(outcome).into_iter().map(Num::to_bits).collect()
+    crate::semantics::answers::numbers(outcome).into_iter().map(Num::to_bits).collect()
 }
 
 /// One masked-off lane at a time has such a number in a, in b, or in both; the others are 3 and 1.

@@ -1,7 +1,7 @@
 //! Ruling 8: t_num and t_denom are reported for hits and misses; an axis index of 3 reads z.
 
-use crate::answers::{INF, answer, answers, ray};
-use crate::random::jobs;
+use crate::semantics::answers::{INF, answer, answers, ray};
+use crate::semantics::random::jobs;
 use raypath::ops::{Job, JobKind, Outcome, RayTriangleInput, Rules, Triangle, Word};
 
 /// From 0 along z at depth `z`: twice the area is 4, so t_denom = ±4 and t_num = ±4 z, by the plane's equation.

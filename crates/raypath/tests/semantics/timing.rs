@@ -1,7 +1,7 @@
 //! 24 jobs enter while the sink is not ready. `golden.rs` and `peers/latency.rs` test the latency and the throughput.
 
-use crate::answers::{self, Typed};
-use crate::random::mixed_jobs;
+use crate::semantics::answers::{self, Typed};
+use crate::semantics::random::mixed_jobs;
 use raypath::model::Functional;
 use raypath::ops::{Job, Outcome, Rules};
 

@@ -1,6 +1,6 @@
 //! Three linters report nothing about any configuration, and the text contains no waiver.
 
-use crate::representatives::REPRESENTATIVES;
+use crate::verilator::representatives::REPRESENTATIVES;
 use rayon::prelude::*;
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Datapath, Encoding, Lanes, PRESETS};

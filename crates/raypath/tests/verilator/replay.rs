@@ -1,7 +1,7 @@
 //! The printed datapath in Verilator equals the cycle-exact model in every cycle.
 
 use crate::recorded::golden;
-use crate::representatives::REPRESENTATIVES;
+use crate::verilator::representatives::REPRESENTATIVES;
 use rayon::prelude::*;
 use raypath::hdl::Module;
 use raypath::model::Words;

@@ -2,7 +2,5 @@
 
 mod lint;
 mod properties;
-#[path = "../recorded/mod.rs"]
-mod recorded;
 mod replay;
 mod representatives;

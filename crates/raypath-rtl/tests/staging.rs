@@ -1,14 +1,8 @@
 //! Automatic staging: the paper's operations without their marks, compared with manual staging, and errors.
 
-#[macro_use]
-#[path = "../common/mod.rs"]
-mod common;
-#[path = "../common/driver.rs"]
-mod driver;
 mod unread;
 
-use common::drive;
-use driver::Driver;
+use crate::common::driver::Driver;
 use raypath_ops::{
     Angular, Binary32, Bit, Circuit, Euclidean, Num, Operation, RayBox, RayTriangle, Rounding, Rules, bundle,
 };

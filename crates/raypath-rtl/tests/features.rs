@@ -1,13 +1,9 @@
 //! Features of the paper's operations, and of all operations.
 
-#[path = "../common/drive.rs"]
-mod drive;
-#[path = "../common/driver.rs"]
-mod driver;
 mod exceptions;
 mod options;
 
-use driver::Driver;
+use crate::common::driver::Driver;
 use raypath_ops::Concrete;
 use raypath_rtl::{Config, Datapath};
 use std::cell::Cell;

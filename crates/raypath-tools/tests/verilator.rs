@@ -3,12 +3,12 @@
 mod clock_gates;
 mod compare;
 mod coverage;
-#[path = "../../../raypath-hdl/tests/common/operators.rs"]
+#[path = "../../raypath-hdl/tests/common/operators.rs"]
 mod every;
 mod four_state;
 mod frames;
 mod memories;
-#[path = "../../../raypath-hdl/tests/common/netlists.rs"]
+#[path = "../../raypath-hdl/tests/common/netlists.rs"]
 mod netlists;
 mod operators;
 mod process;

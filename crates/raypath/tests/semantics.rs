@@ -6,9 +6,6 @@
 mod answers;
 mod exact;
 mod random;
-#[path = "../recorded/mod.rs"]
-mod recorded;
-
 mod rule_1_direction;
 mod rule_2_slab_nan;
 mod rule_3_extent;

@@ -2,7 +2,7 @@
 
 mod cocotb;
 mod folder;
-#[path = "../../../raypath-tools/tests/verilator/frames.rs"]
+#[path = "../../raypath-tools/tests/verilator/frames.rs"]
 mod frames;
 mod manifests;
 mod wrapper;

@@ -1,0 +1,9 @@
+//! All integration tests of the crate, in one program: it is linked once, and its tests share the cores.
+
+mod common;
+mod digits;
+mod distance;
+mod files;
+mod graph;
+mod recall;
+mod timing;

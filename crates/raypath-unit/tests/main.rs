@@ -1,0 +1,12 @@
+//! All integration tests of the crate, in one program: it is linked once, and its tests share the cores.
+
+mod axi;
+mod bound;
+mod common;
+mod instances;
+mod quantised;
+mod scenes;
+mod state;
+mod step_module;
+mod system;
+mod unit;
