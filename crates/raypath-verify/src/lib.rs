@@ -32,6 +32,7 @@ pub mod record;
 mod request;
 mod reset;
 pub mod sat;
+mod score;
 pub mod stimuli;
 pub mod subjects;
 mod text_coverage;

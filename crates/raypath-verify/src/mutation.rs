@@ -7,8 +7,6 @@ mod symbolic;
 mod trial;
 mod units;
 
-pub(crate) use report::{Count, MIN_SCORE, percent};
-
 use crate::{Error, Level, Request, Verdict};
 use mutant::{Mutant, MutantResult, Subject, choose, subjects};
 use raypath_float::Format;

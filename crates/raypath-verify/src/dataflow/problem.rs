@@ -133,8 +133,14 @@ impl Problem {
     }
 
     /// The scripts to ask: whether the assumptions can hold, and whether something can differ.
-    pub fn questions(&self) -> [String; 2] {
-        [self.script.holds(), self.script.differs(&self.pairs)]
+    pub fn questions(&self) -> Vec<String> {
+        vec![self.script.holds(), self.script.differs(&self.pairs)]
+    }
+
+    /// The same with a question for each value that is compared.
+    pub fn questions_by_output(&self) -> Vec<String> {
+        let outputs = self.pairs.chunks(1).map(|pair| self.script.differs(pair));
+        std::iter::once(self.script.holds()).chain(outputs).collect()
     }
 
     /// The script that asks what differs, to run if something does, and the names of its answers `d0`, `d1` and so on.

@@ -2,6 +2,7 @@
 
 use super::mutant::{Mutant, MutantResult, Subject};
 use crate::files;
+use crate::score::{Count, MIN_SCORE, percent};
 use crate::{Error, Verdict};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -19,41 +20,6 @@ struct CheckedMutant {
     fault: String,
     result: MutantResult,
 }
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Count {
-    pub faults: usize,
-    pub killed: usize,
-    pub equivalent: usize,
-}
-
-impl Count {
-    pub fn survivors(self) -> usize {
-        self.faults - self.killed - self.equivalent
-    }
-
-    /// The killed part of the mutants that are not proven equivalent, in hundredths of a percent, rounded down.
-    pub fn score(self) -> usize {
-        (self.killed * 10_000).checked_div(self.faults - self.equivalent).unwrap_or(10_000)
-    }
-
-    /// The 95 % confidence interval of the killed part of those that are not proven equivalent (Wilson 1927): as if the
-    /// sample were drawn at random from all faults. Small modules have a larger part of the sample than of the faults.
-    pub fn interval(self) -> [f64; 2] {
-        const Z: f64 = 1.959_964;
-        let n = (self.faults - self.equivalent) as f64;
-        if n == 0.0 {
-            return [0.0, 1.0];
-        }
-        let killed = self.killed as f64 / n;
-        let centre = killed + Z * Z / (2.0 * n);
-        let half = Z * (killed * (1.0 - killed) / n + Z * Z / (4.0 * n * n)).sqrt();
-        [centre - half, centre + half].map(|bound| bound / (1.0 + Z * Z / n))
-    }
-}
-
-/// The lowest score of the regression tests that passes, in hundredths of a percent.
-pub const MIN_SCORE: usize = 9_900;
 
 impl<'s> Report<'s> {
     pub fn new(subjects: &'s [Subject], total: usize) -> Self {
@@ -165,11 +131,6 @@ impl<'s> Report<'s> {
         }
         text
     }
-}
-
-/// Hundredths of a percent in words.
-pub fn percent(hundredths: usize) -> String {
-    format!("{}.{:02} %", hundredths / 100, hundredths % 100)
 }
 
 /// Survivors without a proof of equivalence, and the reason why no test can kill them. They count as survivors.

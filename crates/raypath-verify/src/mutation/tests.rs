@@ -10,7 +10,7 @@ use std::time::Duration;
 /// The interval of 2,346 killed of 2,359, and its limits.
 #[test]
 fn the_interval_is_wilsons() {
-    let interval = |faults, killed, equivalent| report::Count { faults, killed, equivalent }.interval();
+    let interval = |faults, killed, equivalent| crate::score::Count { faults, killed, equivalent }.interval();
     let near = |[low, high]: [f64; 2], expected: [f64; 2]| {
         (low - expected[0]).abs() < 5e-5 && (high - expected[1]).abs() < 5e-5
     };

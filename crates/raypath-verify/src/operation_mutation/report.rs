@@ -3,7 +3,7 @@
 use super::LIST;
 use super::staging::StagingFate;
 use super::subjects::Subject;
-use crate::mutation::{Count, MIN_SCORE, percent};
+use crate::score::{Count, MIN_SCORE, percent};
 use crate::{Error, Verdict, files};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
