@@ -1,7 +1,7 @@
 //! Exact search on a real data set, against integer arithmetic and scikit-learn. Pixels of the digits are integers from
 //! 0 to 16, so binary32 represents every sum, and ties are exact.
 
-use crate::common::{PIXELS, digits, unzip, vectors};
+use crate::common::{PIXELS, digits, unzip_text, vectors};
 use raypath_search::{Exact, Metric};
 use std::cmp::Ordering;
 
@@ -22,7 +22,7 @@ fn found(metric: Metric) -> Vec<Vec<usize>> {
 
 /// The indices that scikit-learn finds for each query.
 fn oracle(metric: &str) -> Vec<Vec<usize>> {
-    let text = unzip(include_bytes!("data/digits_neighbours.txt.gz"));
+    let text = unzip_text(include_bytes!("data/digits_neighbours.txt.gz"));
     let lines = text.lines().filter_map(|line| line.strip_prefix(metric));
     let rows: Vec<Vec<usize>> =
         lines.map(|line| line.split_whitespace().map(|number| number.parse().expect("an index")).collect()).collect();

@@ -1,6 +1,4 @@
-use flate2::read::GzDecoder;
 use raypath_search::{Dataset, FileError, Neighbours, Vectors, read_neighbours, read_vectors};
-use std::io::Read;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -49,12 +47,6 @@ pub fn assert_vectors_error(name: &str, bytes: &[u8], parts: &[&str]) {
 
 pub fn assert_neighbours_error(name: &str, bytes: &[u8], base: usize, parts: &[&str]) {
     assert_error(name, Written::new(name, bytes).neighbours(base), parts);
-}
-
-pub fn unzip(bytes: &[u8]) -> Vec<u8> {
-    let mut data = Vec::new();
-    GzDecoder::new(bytes).read_to_end(&mut data).expect("gzip");
-    data
 }
 
 /// The vectors that `tests/data/files.py` writes.

@@ -1,4 +1,5 @@
-use super::common::{Written, assert_error, base, unzip};
+use super::common::{Written, assert_error, base};
+use crate::common::unzip;
 use hdf5_pure::{AttrValue, FileBuilder};
 use raypath_search::{Dataset, Exact, Metric, read_neighbours, read_vectors};
 

@@ -1,4 +1,5 @@
-use super::common::{Written, assert_neighbours_error, assert_vectors_error, base, unzip};
+use super::common::{Written, assert_neighbours_error, assert_vectors_error, base};
+use crate::common::unzip;
 
 /// A file of version 1 with this header and data.
 fn npy(header: &str, data: &[u8]) -> Vec<u8> {
