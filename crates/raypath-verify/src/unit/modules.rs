@@ -26,42 +26,36 @@ const CYCLES: usize = 20_000;
 /// # Errors
 /// What is wrong; the module cannot be compiled.
 pub fn check(module: &Arc<Module>, parameters: UnitParameters, seed: u64) -> Result<Result<(), String>, Error> {
-    let UnitParameters { contexts, step, divider_latency, .. } = parameters;
-    let bench = || Bench::new(module, seed);
-    let found = match module.name() {
-        "raypath_unit_prepare" => steps::prepare(&mut bench()?, step.features),
-        "raypath_unit_finish" => steps::finish(&mut bench()?, step),
-        "raypath_unit_set_up" => set_up::run(&mut bench()?, divider_latency),
-        "raypath_unit_entries" => entries::run(&mut bench()?, divider_latency),
-        "raypath_unit_decoder" => decoder::run(&mut bench()?),
-        "raypath_unit_weights" => weights::run(&mut bench()?, divider_latency),
-        "raypath_unit_distance" => distance::run(&mut bench()?, contexts),
-        "raypath_unit_hits" => hits::run(&mut bench()?, contexts, divider_latency),
-        "raypath_unit_blocks" => blocks::run(&mut bench()?, contexts, step.node),
-        "raypath_unit_contexts" => contexts::run(&mut bench()?, contexts),
-        "raypath_unit_scheduler" => scheduler::run(&mut bench()?),
-        _ if is_queue(module) => queue::run(&mut bench()?, contexts),
-        _ => Ok(()),
-    };
+    let Some(check) = check_of(module) else { return Ok(Ok(())) };
+    let found = check(&mut Bench::new(module, seed)?, parameters);
     Ok(found.map_err(|problem| format!("{} by itself, {parameters:?}: {problem}", module.name())))
 }
 
 /// Whether a module has a check of its own.
 pub fn has_check(module: &Module) -> bool {
-    const OTHERS: [&str; 11] = [
-        "raypath_unit_hits",
-        "raypath_unit_blocks",
-        "raypath_unit_entries",
-        "raypath_unit_decoder",
-        "raypath_unit_weights",
-        "raypath_unit_scheduler",
-        "raypath_unit_prepare",
-        "raypath_unit_finish",
-        "raypath_unit_set_up",
-        "raypath_unit_distance",
-        "raypath_unit_contexts",
-    ];
-    OTHERS.contains(&module.name()) || is_queue(module)
+    check_of(module).is_some()
+}
+
+/// A check of a module in a unit with these parameters.
+type Check = fn(&mut Bench, UnitParameters) -> Result<(), String>;
+
+fn check_of(module: &Module) -> Option<Check> {
+    let check: Check = match module.name() {
+        "raypath_unit_prepare" => |bench, unit| steps::prepare(bench, unit.step.features),
+        "raypath_unit_finish" => |bench, unit| steps::finish(bench, unit.step),
+        "raypath_unit_set_up" => |bench, unit| set_up::run(bench, unit.divider_latency),
+        "raypath_unit_entries" => |bench, unit| entries::run(bench, unit.divider_latency),
+        "raypath_unit_decoder" => |bench, _| decoder::run(bench),
+        "raypath_unit_weights" => |bench, unit| weights::run(bench, unit.divider_latency),
+        "raypath_unit_distance" => |bench, unit| distance::run(bench, unit.contexts),
+        "raypath_unit_hits" => |bench, unit| hits::run(bench, unit.contexts, unit.divider_latency),
+        "raypath_unit_blocks" => |bench, unit| blocks::run(bench, unit.contexts, unit.step.node),
+        "raypath_unit_contexts" => |bench, unit| contexts::run(bench, unit.contexts),
+        "raypath_unit_scheduler" => |bench, _| scheduler::run(bench),
+        _ if is_queue(module) => |bench, unit| queue::run(bench, unit.contexts),
+        _ => return None,
+    };
+    Some(check)
 }
 
 /// Whether a module is a queue.
