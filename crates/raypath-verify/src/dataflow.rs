@@ -92,7 +92,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
 /// # Errors
 /// A program is missing or fails; the configuration cannot be elaborated.
 pub(crate) fn still_computes(config: Config, top: &Arc<Module>, limit: Duration) -> Result<bool, Error> {
-    let prover = DataflowProver { limits: [limit, Duration::ZERO], ..DataflowProver::find(false)? };
+    let prover = DataflowProver { whole_limit: limit, limit_by_output: None, ..DataflowProver::find(false)? };
     let (subject, stop) = (Subject::from(config), &AtomicBool::new(false));
     let datapath = subject.elaborate()?;
     let top = with_enables(top);
@@ -107,9 +107,12 @@ pub(crate) fn still_computes(config: Config, top: &Arc<Module>, limit: Duration)
 
 const FAILURES_SHOWN: usize = 8;
 
-/// The longest times for an operation: for all outputs in one question to Z3, and then for each output in one of its
-/// own, which takes longer for most operations, but not for those that sort many numbers.
-const LIMITS: [Duration; 2] = [Duration::from_secs(120), Duration::from_secs(1200)];
+/// The longest time for one question to Z3 about all outputs of an operation. After it, each output is a question of its
+/// own: that takes longer for most operations, but not for those that sort many numbers.
+const WHOLE_LIMIT: Duration = Duration::from_secs(120);
+
+/// The longest time for the questions about each output of an operation, and for the question what differs.
+const LIMIT: Duration = Duration::from_secs(1200);
 
 /// The longest time for a question to the second solver, without whose answer a proof by Z3 still counts.
 const SECOND_LIMIT: Duration = Duration::from_secs(60);
@@ -173,8 +176,10 @@ struct DataflowProver {
     yosys: Yosys,
     z3: SmtSolver,
     second: Option<SmtSolver>,
-    /// As in [`LIMITS`]; without time for the second, outputs are not tried one by one.
-    limits: [Duration; 2],
+    /// The longest time for one question about all outputs.
+    whole_limit: Duration,
+    /// The longest time for the questions about each output, which are asked after that.
+    limit_by_output: Option<Duration>,
 }
 
 /// The commands that take the units out of a text and write the rest. The words of memories become registers.
@@ -192,7 +197,8 @@ impl DataflowProver {
     /// One is missing.
     fn find(has_second: bool) -> Result<Self, Error> {
         let second = if has_second { Some(SmtSolver::bitwuzla()?) } else { None };
-        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, z3: SmtSolver::z3()?, second, limits: LIMITS })
+        let (yosys, z3) = (Yosys::find(Some(YosysKind::Python))?, SmtSolver::z3()?);
+        Ok(Self { yosys, z3, second, whole_limit: WHOLE_LIMIT, limit_by_output: Some(LIMIT) })
     }
 
     /// Proves all operations of a configuration; none if `stop` is set meanwhile. With a fault in the text, up to the
@@ -269,33 +275,29 @@ impl DataflowProver {
         Design::read(&text("design.btor")?, &text("flat.json")?, top)
     }
 
-    /// Asks Z3, of all outputs and then of each, and with `is_repeated` the second solver. That one may give no answer
-    /// in time, but no other answer.
+    /// Asks Z3, and with `is_repeated` the second solver. That one may give no answer in time, but no other answer.
     fn answer(&self, problem: &Problem, is_repeated: bool, stop: &AtomicBool) -> Result<Answer, Error> {
-        let [of_all, of_each] = self.limits;
         let folder = temporary_folder()?;
+        let questions = problem.questions();
         let name = &problem.name;
         let failed = |why: String| Ok(Answer::Failed(format!("{name}: {why}")));
-        let mut questions = problem.questions();
-        let mut answers = self.z3.run(folder.path(), &questions, of_all, stop)?;
-        if answers.is_none() && !of_each.is_zero() {
-            questions = problem.questions_by_output();
-            answers = self.z3.run(folder.path(), &questions, of_each, stop)?;
-        }
-        let Some(answers) = answers else {
-            return failed(format!("no answer within {} s", of_all.max(of_each).as_secs()));
-        };
-        match answers.split_whitespace().collect::<Vec<_>>()[..] {
-            ["sat", ref outputs @ ..] if outputs.len() + 1 == questions.len() && outputs.iter().all(is_unsat) => {}
-            ["sat", ref outputs @ ..] if outputs.contains(&"sat") => {
-                return failed(self.differences(problem, folder.path(), stop)?);
+        match (self.z3.run(folder.path(), &questions, self.whole_limit, stop)?, self.limit_by_output) {
+            (Some(answers), _) => match answers.split_whitespace().collect::<Vec<_>>()[..] {
+                ["sat", "unsat"] => {}
+                ["sat", "sat"] => return failed(self.differences(problem, folder.path(), stop)?),
+                _ => return failed(format!("Z3 answered '{}'", answers.trim())),
+            },
+            (None, None) => return failed(format!("no answer within {} s", self.whole_limit.as_secs())),
+            (None, Some(limit)) => {
+                if let Some(why) = self.not_proved_by_output(problem, folder.path(), limit, stop)? {
+                    return failed(why);
+                }
             }
-            _ => return failed(format!("Z3 answered '{}'", answers.trim())),
         }
         let Some(second) = self.second.as_ref().filter(|_| is_repeated) else {
             return Ok(Answer::Proved { is_confirmed: false });
         };
-        match second.run(folder.path(), &problem.questions(), SECOND_LIMIT, stop)? {
+        match second.run(folder.path(), &questions, SECOND_LIMIT, stop)? {
             None => Ok(Answer::Proved { is_confirmed: false }),
             Some(answers) if answers.split_whitespace().eq(["sat", "unsat"]) => {
                 Ok(Answer::Proved { is_confirmed: true })
@@ -304,19 +306,44 @@ impl DataflowProver {
         }
     }
 
+    /// Asks Z3 about each output by itself. Returns what is not proved, in words.
+    fn not_proved_by_output(
+        &self,
+        problem: &Problem,
+        folder: &Path,
+        limit: Duration,
+        stop: &AtomicBool,
+    ) -> Result<Option<String>, Error> {
+        let questions = problem.questions_by_output();
+        let Some(answers) = self.z3.run(folder, &questions, limit, stop)? else {
+            return Ok(Some(format!("no answer within {} s", limit.as_secs())));
+        };
+        let is_answer = |answer: &&str| ["sat", "unsat"].contains(answer);
+        match answers.split_whitespace().collect::<Vec<_>>()[..] {
+            ["sat", ref outputs @ ..] if outputs.len() + 1 == questions.len() && outputs.iter().all(is_answer) => {
+                let differ: Vec<&str> = problem
+                    .names()
+                    .zip(outputs)
+                    .filter(|(_, answer)| **answer == "sat")
+                    .map(|(name, _)| name)
+                    .collect();
+                Ok((!differ.is_empty()).then(|| can_differ(&differ)))
+            }
+            _ => Ok(Some(format!("Z3 answered '{}'", answers.trim()))),
+        }
+    }
+
     /// What can differ, in words.
     fn differences(&self, problem: &Problem, folder: &Path, stop: &AtomicBool) -> Result<String, Error> {
-        let (script, names) = problem.differences();
-        let limit = self.limits[0].max(self.limits[1]);
-        let answer = self.z3.run(folder, &[script], limit, stop)?.unwrap_or_default();
+        let answer = self.z3.run(folder, &[problem.differences()], LIMIT, stop)?.unwrap_or_default();
         let differs = |number: usize| answer.contains(&format!("(d{number} true)"));
-        let differ: Vec<&str> = (0..).zip(names).filter(|(number, _)| differs(*number)).map(|(_, n)| n).collect();
-        Ok(format!("{} can differ from the operation's", differ.join(", ")))
+        let names = (0..).zip(problem.names());
+        Ok(can_differ(&names.filter(|(number, _)| differs(*number)).map(|(_, name)| name).collect::<Vec<_>>()))
     }
 }
 
-fn is_unsat(answer: &&str) -> bool {
-    *answer == "unsat"
+fn can_differ(names: &[&str]) -> String {
+    format!("{} can differ from the operation's", names.join(", "))
 }
 
 /// The answer of the solvers to a problem.
@@ -335,8 +362,8 @@ mod tests {
     /// Otherwise an operation for which one question is too hard would have no proof.
     #[test]
     fn outputs_are_compared_one_by_one_where_one_question_is_too_hard() {
-        let limits = [Duration::ZERO, Duration::from_secs(600)];
-        let prover = DataflowProver { limits, ..DataflowProver::find(false).expect("Yosys and Z3") };
+        let prover =
+            DataflowProver { whole_limit: Duration::ZERO, ..DataflowProver::find(false).expect("Yosys and Z3") };
         let tried = |fault: Option<TextFault>| {
             let subject = Subject::from(Config::DEFAULT.lanes(Lanes::None));
             let work = Work { subject, fault, is_repeated: false };
@@ -345,6 +372,7 @@ mod tests {
         let right = tried(None);
         assert_eq!((right.problems, right.failures), (2, vec![]));
         // A job that leaves early.
-        assert!(!tried(Some(FAULTS[9])).failures.is_empty());
+        let failures = tried(Some(FAULTS[9])).failures;
+        assert!(failures.iter().any(|why| why.contains("output_valid_o after 11 cycles")), "{failures:?}");
     }
 }

@@ -133,8 +133,8 @@ impl Problem {
     }
 
     /// The scripts to ask: whether the assumptions can hold, and whether something can differ.
-    pub fn questions(&self) -> Vec<String> {
-        vec![self.script.holds(), self.script.differs(&self.pairs)]
+    pub fn questions(&self) -> [String; 2] {
+        [self.script.holds(), self.script.differs(&self.pairs)]
     }
 
     /// The same with a question for each value that is compared.
@@ -143,11 +143,16 @@ impl Problem {
         std::iter::once(self.script.holds()).chain(outputs).collect()
     }
 
-    /// The script that asks what differs, to run if something does, and the names of its answers `d0`, `d1` and so on.
-    pub fn differences(&self) -> (String, Vec<&str>) {
-        let names = (0..self.pairs.len()).map(|number| format!("d{number}")).collect::<Vec<_>>().join(" ");
-        let text = self.script.differs(&self.pairs) + &format!("(get-value ({names}))\n");
-        (text, self.pairs.iter().map(|(name, ..)| name.as_str()).collect())
+    /// The values that are compared.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.pairs.iter().map(|(name, ..)| name.as_str())
+    }
+
+    /// The script that asks what differs, to run if something does. Its answers are `d0`, `d1` and so on, in the order of
+    /// [`names`](Self::names).
+    pub fn differences(&self) -> String {
+        let answers = (0..self.pairs.len()).map(|number| format!("d{number}")).collect::<Vec<_>>().join(" ");
+        self.script.differs(&self.pairs) + &format!("(get-value ({answers}))\n")
     }
 }
 
