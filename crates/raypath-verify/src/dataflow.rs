@@ -107,8 +107,8 @@ pub(crate) fn still_computes(config: Config, top: &Arc<Module>, limit: Duration)
 
 const FAILURES_SHOWN: usize = 8;
 
-/// The longest time for one question to Z3 about all outputs of an operation. After it, each output is a question of its
-/// own: that takes longer for most operations, but not for those that sort many numbers.
+/// The longest time for one question to Z3 about all outputs of an operation. After it, each output is a question of
+/// its own: that takes longer for most operations, but not for those that sort many numbers.
 const WHOLE_LIMIT: Duration = Duration::from_secs(120);
 
 /// The longest time for the questions about each output of an operation, and for the question what differs.

@@ -148,8 +148,8 @@ impl Problem {
         self.pairs.iter().map(|(name, ..)| name.as_str())
     }
 
-    /// The script that asks what differs, to run if something does. Its answers are `d0`, `d1` and so on, in the order of
-    /// [`names`](Self::names).
+    /// The script that asks what differs, to run if something does. Its answers are `d0`, `d1` and so on, in the order
+    /// of [`names`](Self::names).
     pub fn differences(&self) -> String {
         let answers = (0..self.pairs.len()).map(|number| format!("d{number}")).collect::<Vec<_>>().join(" ");
         self.script.differs(&self.pairs) + &format!("(get-value ({answers}))\n")
