@@ -115,7 +115,7 @@ const WHOLE_LIMIT: Duration = Duration::from_secs(120);
 const LIMIT: Duration = Duration::from_secs(1200);
 
 /// The longest time for a question to the second solver, without whose answer a proof by Z3 still counts.
-const SECOND_LIMIT: Duration = Duration::from_secs(60);
+const SECOND_LIMIT: Duration = Duration::from_secs(20);
 
 /// Deliberate faults in the default configuration, each of which must be refuted.
 const FAULTS: &[TextFault] = &[

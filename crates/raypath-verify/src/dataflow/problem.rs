@@ -2,7 +2,7 @@
 
 use super::conversion::Conversion;
 use super::design::{Design, Id};
-use super::reference::{JobValues, outcome};
+use super::reference::{JobValues, Outcome, outcome};
 use super::script::{Script, Term};
 use super::units::Units;
 use super::unrolled::Unrolled;
@@ -40,11 +40,21 @@ pub(super) struct Pipeline<'d> {
     pub design: &'d Design,
 }
 
+/// The outcome of an operation for values of a job.
+type Outcomes<'a> = dyn Fn(&mut Script, Units<'_>, &dyn JobValues) -> Outcome + 'a;
+
 impl Problem {
     /// A job of an operation in an empty pipeline: it enters in cycle [`ENTERS`], and its outcome leaves after the
     /// latency. All registers have any values but those of the control, which the reset sets, and so have the states
     /// and, in the other cycles, all inputs but the handshake.
     pub fn new<O: Operation>(pipeline: Pipeline<'_>, operation: &O, opcode: u64) -> Result<Self, Error> {
+        let outcome =
+            |script: &mut Script, units: Units<'_>, values: &dyn JobValues| outcome(operation, script, units, values);
+        Self::of(pipeline, O::NAME, opcode, &outcome)
+    }
+
+    /// [`new`](Self::new), not generic, so that it is compiled once.
+    fn of(pipeline: Pipeline<'_>, operation: &str, opcode: u64, outcome: &Outcomes<'_>) -> Result<Self, Error> {
         let Pipeline { config, latency, design, .. } = pipeline;
         let mut script = Script::default();
         let mut unrolled = Unrolled::new(design);
@@ -58,7 +68,7 @@ impl Problem {
                 unrolled.set(cycle, id, value);
             }
         }
-        let mut values = Values { design, operation: O::NAME, inputs: BTreeMap::new(), states: BTreeMap::new() };
+        let mut values = Values { design, operation, inputs: BTreeMap::new(), states: BTreeMap::new() };
         for (name, &id) in design.inputs.iter().filter(|(name, _)| !name.contains('.')) {
             values.inputs.insert(name, unrolled.value(&mut script, ENTERS, id)?);
         }
@@ -74,7 +84,7 @@ impl Problem {
         let has_quantised = config.semantics.features.quantised_boxes || pipeline.has_added;
         let states_classes = ieee_registers || is_narrow || has_quantised || pipeline.has_fault;
         let units = Units { design, format, ieee_registers, states_classes, positive_nans: is_narrow };
-        let outcome = outcome(operation, &mut script, units, &values);
+        let outcome = outcome(&mut script, units, &values);
         let mut expected = outcome.outputs;
         expected.extend(values.input("tag").map(|tag| ("tag".to_string(), tag)));
         expected.insert("opcode".to_string(), values.inputs["opcode_i"]);
@@ -99,7 +109,7 @@ impl Problem {
         }
         for (name, (id, before)) in &values.states {
             let after = unrolled.value(&mut script, leaves + 1, *id)?;
-            let own = name.strip_prefix(O::NAME).and_then(|name| name.strip_prefix('_'));
+            let own = name.strip_prefix(operation).and_then(|name| name.strip_prefix('_'));
             let own = own.and_then(|state| outcome.states.get(state));
             pairs.push((name.clone(), after, own.copied().unwrap_or(*before)));
         }
@@ -111,7 +121,7 @@ impl Problem {
                 let expected = format!("{} bits", expected.width);
                 Err(ToolError::unexpected("yosys", format!("{name} has {} bits", actual.width), expected).into())
             }
-            (None, None) => Ok(Self { name: O::NAME.to_string(), script, pairs, conversions: outcome.conversions }),
+            (None, None) => Ok(Self { name: operation.to_string(), script, pairs, conversions: outcome.conversions }),
         }
     }
 
@@ -175,7 +185,7 @@ fn states(design: &Design) -> impl Iterator<Item = (String, Id)> {
 /// The job's values in the design.
 struct Values<'d> {
     design: &'d Design,
-    operation: &'static str,
+    operation: &'d str,
     inputs: BTreeMap<&'d str, Term>,
     states: BTreeMap<String, (Id, Term)>,
 }

@@ -97,7 +97,10 @@ fn sampled(random: &mut ChaCha8Rng) -> Subject {
     match random.random_range(0..5) {
         0 => {
             let config = Config { semantics: Config::DEFAULT.lanes(Lanes::Two).semantics, ..config };
-            Subject { added: Some(NAMES[random.random_range(0..NAMES.len())]), ..config.into() }
+            let added = NAMES[random.random_range(0..NAMES.len())];
+            // Z3 has no answer within the limit for eight sorted boxes in the layout of IEEE 754.
+            let config = if added == octbox::Octbox::NAME { config.registers(Encoding::Recoded) } else { config };
+            Subject { added: Some(added), ..config.into() }
         }
         1 => Subject { is_scheduled: true, ..config.into() },
         _ => config.into(),
