@@ -23,6 +23,8 @@ pub struct Item {
     /// The files and folders of the repository that the result depends on: what is verified, and what verifies it. A
     /// recorded result is stale once they have changed.
     pub subject: &'static [&'static str],
+    /// Whether the request's configuration changes what is checked.
+    pub has_configuration: bool,
     /// Checks the claim.
     pub run: fn(&mut Request<'_>) -> Result<Verdict, Error>,
 }
@@ -44,6 +46,7 @@ pub const ITEMS: &[Item] = &[
             its exceptions",
         oracle: "Berkeley SoftFloat, on the cases of Berkeley TestFloat",
         subject: UNITS,
+        has_configuration: false,
         run: |request| units::testfloat(&Units::new(Format::BINARY32)?, &Units::with_flags(Format::BINARY32)?, request),
     },
     Item {
@@ -52,6 +55,7 @@ pub const ITEMS: &[Item] = &[
             zero, infinity and NaN is decoded by its class alone",
         oracle: "the host's conversion to binary64, and the table of docs/reference/formats.md",
         subject: UNITS,
+        has_configuration: false,
         run: |request| units::conversions(&Units::new(Format::BINARY32)?, request),
     },
     Item {
@@ -59,6 +63,7 @@ pub const ITEMS: &[Item] = &[
         claim: "the units of small formats give IEEE 754's result for every pair of operands, unsplit and split",
         oracle: "LLVM's soft float, in the crate rustc_apfloat",
         subject: UNITS,
+        has_configuration: false,
         run: |request| units::small_formats(&|format| Ok(Units::new(format)?), request),
     },
     Item {
@@ -67,6 +72,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "Berkeley SoftFloat in binary32, on the cases of Berkeley TestFloat and other numbers, and in \
             binary16; LLVM's soft float, in the crate rustc_apfloat, and the host's roots in small formats",
         subject: UNITS,
+        has_configuration: false,
         run: |request| units::division(&Dividers::new, request),
     },
     Item {
@@ -76,6 +82,7 @@ pub const ITEMS: &[Item] = &[
             significands are rounded in their direction; sums of several terms round once",
         oracle: "Yosys's symfpu, and a definition of sums on integers, by SAT (ABC)",
         subject: PROOFS,
+        has_configuration: false,
         run: proofs::unit_proofs,
     },
     Item {
@@ -85,6 +92,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "lemmas about the emitted signals, each proved by SAT (ABC), with Yosys's symfpu and a free product in \
             the last one; the theorem of docs/development/verification.md composes them",
         subject: PROOFS,
+        has_configuration: false,
         run: proofs::multiplication,
     },
     Item {
@@ -92,6 +100,7 @@ pub const ITEMS: &[Item] = &[
         claim: "the binary32 adder gives IEEE 754's sum for all operands",
         oracle: "Yosys's symfpu, by SAT (ABC), in 55 cases of the difference of exponents",
         subject: PROOFS,
+        has_configuration: false,
         run: proofs::adder_proof,
     },
     Item {
@@ -105,6 +114,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/gates.rs",
             "crates/raypath-verify/src/sat",
         ],
+        has_configuration: false,
         run: gates::gates,
     },
     Item {
@@ -119,6 +129,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/control",
             "crates/raypath-verify/src/sat",
         ],
+        has_configuration: false,
         run: control::control,
     },
     Item {
@@ -135,6 +146,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/dataflow.rs",
             "crates/raypath-verify/src/dataflow",
         ],
+        has_configuration: true,
         run: dataflow::verify,
     },
     Item {
@@ -142,6 +154,7 @@ pub const ITEMS: &[Item] = &[
         claim: "a ray through an edge or vertex shared by faces that all face the ray hits at least one of them",
         oracle: "which faces face the ray, and where it passes them, by exact arithmetic",
         subject: GEOMETRY,
+        has_configuration: true,
         run: geometry::watertight::verify,
     },
     Item {
@@ -151,6 +164,7 @@ pub const ITEMS: &[Item] = &[
             enters is missed, and tmin is a lower bound",
         oracle: "exact arithmetic on integers times powers of two",
         subject: GEOMETRY,
+        has_configuration: false,
         run: geometry::boxes::verify,
     },
     Item {
@@ -159,6 +173,7 @@ pub const ITEMS: &[Item] = &[
             docs/reference/error-bounds.md",
         oracle: "exact arithmetic on integers times powers of two",
         subject: GEOMETRY,
+        has_configuration: true,
         run: geometry::triangle_distances::verify,
     },
     Item {
@@ -166,6 +181,7 @@ pub const ITEMS: &[Item] = &[
         claim: "Euclidean sums, dot products and norms have errors within the bounds of docs/reference/error-bounds.md",
         oracle: "exact arithmetic on integers times powers of two",
         subject: GEOMETRY,
+        has_configuration: false,
         run: geometry::sums::verify,
     },
     Item {
@@ -187,6 +203,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/subjects.rs",
             "crates/raypath-verify/src/stimuli",
         ],
+        has_configuration: true,
         run: |request| models::verify(request, Path::new(campaign::FOLDER)),
     },
     Item {
@@ -211,6 +228,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/subjects.rs",
             "crates/raypath-verify/src/stimuli",
         ],
+        has_configuration: true,
         run: |request| campaign::verify(request, Path::new(campaign::FOLDER)),
     },
     Item {
@@ -231,6 +249,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/text_coverage.rs",
             "crates/raypath-verify/src/text_coverage",
         ],
+        has_configuration: true,
         run: text_coverage::verify,
     },
     Item {
@@ -249,6 +268,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/reset.rs",
             "crates/raypath-verify/src/reset",
         ],
+        has_configuration: false,
         run: reset::verify,
     },
     Item {
@@ -266,6 +286,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/mutation.rs",
             "crates/raypath-verify/src/mutation",
         ],
+        has_configuration: false,
         run: mutation::run,
     },
     Item {
@@ -282,6 +303,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/stimuli.rs",
             "crates/raypath-verify/src/stimuli",
         ],
+        has_configuration: false,
         run: operation_mutation::run,
     },
     Item {
@@ -300,6 +322,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/unit.rs",
             "crates/raypath-verify/src/unit",
         ],
+        has_configuration: false,
         run: unit::verify,
     },
     Item {
@@ -318,6 +341,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/parsers.rs",
             "fuzz/corpus",
         ],
+        has_configuration: false,
         run: parsers::run,
     },
 ];

@@ -102,6 +102,10 @@ impl Recorder {
         let (level, jobs, seed, shard) = (request.level, request.jobs, request.seed, request.shard);
         let mut command = format!("verify {} --level {} --seed {seed} --shard {shard}", item.name, level.name());
         command += &jobs.map_or(String::new(), |jobs| format!(" --jobs {jobs}"));
+        let options = Subject::of(request).options();
+        if !options.is_empty() {
+            command += &format!(" {options}");
+        }
         let begin = std::time::Instant::now();
         let verdict = (item.run)(request)?;
         if !verdict.is_stopped {
@@ -265,6 +269,7 @@ mod tests {
         claim: "sums are right",
         oracle: "exact arithmetic",
         subject: &["subject.rs"],
+        has_configuration: false,
         run: |_| unreachable!("this test does not run the item"),
     };
 

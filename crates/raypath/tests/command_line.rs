@@ -222,7 +222,7 @@ fn wrong_input_is_named() {
     let empty = file("angular_empty.txt", b"");
     let nameless = file("jobs.txt", beat.as_bytes());
     let lanes = file("small.toml", b"rules = \"paper\"\nlanes = 5\n");
-    let cases: [(&[&str], &[&str]); 30] = [
+    let cases: [(&[&str], &[&str]); 31] = [
         (&["replay", "/nonexistent/triangle.txt"], &["/nonexistent/triangle.txt", "No such file"]),
         (&["replay", &wrong_digit], &["angular_digit.txt:1", "field 5", "euclidean_a_0", "4000000g", "hexadecimal"]),
         (&["replay", &too_wide], &["angular_wide.txt:2", "field 4", "euclidean_mask", "1ff", "at most ff"]),
@@ -251,6 +251,10 @@ fn wrong_input_is_named() {
         (&["generate", "--seed", "1e6"], &["'1e6'", "--seed", "expected a whole number from 0"]),
         (&["verify", "--jobs", "4g"], &["'4g'", "--jobs", "expected a whole number from 1"]),
         (&["verify", "nothing"], &["'nothing'", "ITEM", "expected one of testfloat, "]),
+        (
+            &["verify", "gates", "--preset", "credit"],
+            &["gates does not depend on the configuration", "expected no options of one, or operations, "],
+        ),
         (&["verify", "--level", "some"], &["'some' is not a valid level", "regression, full or long"]),
         (&["verify", "--shard", "3/2"], &["'3/2' is not a valid shard", "1 ≤ i ≤ n"]),
         (&["verify", "--shard", "half"], &["'half' is not a valid shard", "such as 2/5"]),

@@ -34,12 +34,17 @@ fn the_table_of_results_follows_from_the_records() {
 #[test]
 fn verify_writes_a_record_of_its_run() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut raypath = Command::new(env!("CARGO_BIN_EXE_raypath"));
-    let raypath = raypath.args(["verify", "sums", "--jobs", "20", "--seed", "3", "--record"]).arg(folder.path());
-    let output = raypath.output().expect("the program");
-    assert!(output.status.success(), "{output:?}");
+    let run = |arguments: &[&str]| {
+        let mut raypath = Command::new(env!("CARGO_BIN_EXE_raypath"));
+        let raypath = raypath.arg("verify").args(arguments).args(["--jobs", "20", "--seed", "3", "--record"]);
+        let output = raypath.arg(folder.path()).output().expect("the program");
+        assert!(output.status.success(), "{output:?}");
+    };
+    run(&["sums"]);
+    run(&["triangle-distance", "--rules", "chisel"]);
     let records = Record::read_all(folder.path()).expect("records");
-    let [record] = &records[..] else { panic!("{} records", records.len()) };
+    let [record, chosen] = &records[..] else { panic!("{} records", records.len()) };
+    assert!(chosen.command.ends_with("--seed 3 --shard 1/1 --jobs 20 --rules chisel"), "{}", chosen.command);
     assert_eq!((record.item.as_str(), record.result.as_str()), ("sums", "as claimed"));
     assert!(record.command.contains("verify sums") && record.command.ends_with("--seed 3 --shard 1/1 --jobs 20"));
     assert!(record.covered.starts_with("120 sums") && record.seconds.is_some(), "{record:?}");

@@ -14,7 +14,8 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The items to verify; `--list` shows all of them [default: all]
+    /// The items to verify; `--list` shows all of them [default: all, or those that depend on the configuration if one
+    /// is selected]
     #[arg(value_parser = item, value_name = "ITEM")]
     items: Vec<&'static str>,
     /// List the items with their claims and oracles, and do nothing
@@ -49,8 +50,7 @@ fn item(name: &str) -> Result<&'static str, String> {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.datapath.config()?;
     let name = arguments.datapath.name(config);
-    let named = &arguments.items;
-    let chosen: Vec<&Item> = ITEMS.iter().filter(|item| named.is_empty() || named.contains(&item.name)).collect();
+    let chosen = chosen(arguments)?;
     if arguments.list {
         return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(CliError::from);
     }
@@ -97,6 +97,24 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         (true, false) => Err(CliError::unusable(format!("not run: {}", not_run.join("; ")))),
         (true, true) => Ok(writeln!(out, "All claims hold.")?),
     }
+}
+
+/// The items that the user named, or all. With options of a configuration, only items that depend on it.
+fn chosen(arguments: &Arguments) -> Result<Vec<&'static Item>, CliError> {
+    let named = &arguments.items;
+    let is_named = |item: &&Item| named.is_empty() || named.contains(&item.name);
+    if arguments.datapath.is_default() {
+        return Ok(ITEMS.iter().filter(is_named).collect());
+    }
+    let (dependent, others): (Vec<&Item>, Vec<&Item>) = ITEMS.iter().partition(|item| item.has_configuration);
+    if let Some(Item { name, .. }) = others.iter().find(|item| named.contains(&item.name)) {
+        let dependent: Vec<&str> = dependent.iter().map(|item| item.name).collect();
+        let dependent = dependent.join(", ");
+        let problem =
+            format!("{name} does not depend on the configuration, expected no options of one, or {dependent}");
+        return Err(CliError::unusable(problem));
+    }
+    Ok(dependent.into_iter().filter(is_named).collect())
 }
 
 fn verify(
