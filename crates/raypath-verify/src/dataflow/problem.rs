@@ -138,7 +138,14 @@ impl Problem {
         let actual = unrolled.value(&mut script, ENTERS, find(&design.outputs, &format!("{port_out}_o"))?)?;
         let actual = units.padded(&mut script, actual);
         let expected = conversion.definition(&mut script, format, operand);
-        let pairs = vec![(port_out.to_string(), actual, expected)];
+        let mut pairs = vec![(port_out.to_string(), actual, expected)];
+        if matches!(conversion, Conversion::Narrow(_)) {
+            // So that a register in the layout of IEEE 754 keeps it: no number is subnormal.
+            let canonical = units.canonical(&mut script, actual);
+            let normal = units.is_normal_or_zero(&mut script, actual);
+            let is_kept = script.bit(&format!("(and {canonical} {normal})"));
+            pairs.push((format!("that {port_out} can be stored"), is_kept, script.constant(1, 1)));
+        }
         Ok(Self { name: conversion.module(format), script, pairs, conversions: BTreeSet::new() })
     }
 

@@ -47,10 +47,15 @@ impl Units<'_> {
     pub fn converted(&self, script: &mut Script, conversion: Conversion, operand: Term) -> Term {
         let name = conversion.module(self.format);
         let (port_in, port_out) = conversion.ports();
-        match self.chain(script, &self.modules(|module| module == name), &[(port_in, operand)], port_out) {
-            Some(result) => self.padded(script, result),
-            None => conversion.definition(script, self.format, operand),
+        let result = self.chain(script, &self.modules(|module| module == name), &[(port_in, operand)], port_out);
+        let Some(result) = result else { return conversion.definition(script, self.format, operand) };
+        let result = self.padded(script, result);
+        if let (Conversion::Narrow(to), true) = (conversion, self.ieee_registers) {
+            self.is_canonical(script, result);
+            // A register can have a decoder of short numbers.
+            self.decoded(script, result, to.bits, self.format.ieee_width());
         }
+        result
     }
 
     /// What is known of a multiplier of short numbers: its product is that of the full multiplier, rounded.
@@ -193,9 +198,23 @@ impl Units<'_> {
     /// What is known of a result: it is one of the words that the recoded format writes
     /// (docs/reference/formats.md), and a register in the layout of IEEE 754 keeps it.
     pub fn is_canonical(&self, script: &mut Script, result: Term) {
-        let (exponent, fraction, width) = (self.format.exponent(), self.format.fraction_width(), result.width);
-        let class = script.slice(result, width - 2, width - 4);
-        let magnitude = script.slice(result, width - 2, 0);
+        let canonical = self.canonical(script, result);
+        script.assume(&canonical);
+        if self.ieee_registers {
+            let ieee = self.decoded(script, result, self.format.significand(), self.format.ieee_width());
+            let again = self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(result);
+            script.assume(&format!("(= {again} {result})"));
+            self.are_alike(script, ieee, result);
+            let [ieee_sign, sign] = [ieee, result].map(|term| script.slice(term, term.width - 1, term.width - 1));
+            script.assume(&format!("(= {ieee_sign} {sign})"));
+        }
+    }
+
+    /// Whether a number is one of the words that the recoded format writes, as a condition.
+    pub fn canonical(&self, script: &mut Script, number: Term) -> String {
+        let (exponent, fraction, width) = (self.format.exponent(), self.format.fraction_width(), number.width);
+        let class = script.slice(number, width - 2, width - 4);
+        let magnitude = script.slice(number, width - 2, 0);
         // The least and the greatest finite magnitude, infinity, NaN.
         let least = (1_u64 << exponent) + 2 - (1 << (exponent - 1)) - u64::from(fraction);
         let greatest = (((1_u64 << exponent) + (1 << (exponent - 1))) << fraction) - 1;
@@ -203,19 +222,20 @@ impl Units<'_> {
         let nan = (0b111_u64 << (exponent - 2 + fraction)) | (1 << (fraction - 1));
         let [zero, least, greatest, infinity, nan] =
             [0, least << fraction, greatest, infinity, nan].map(|value| script.constant(width - 1, value));
-        let sign = script.slice(result, width - 1, width - 1);
-        script.assume(&format!(
+        let sign = script.slice(number, width - 1, width - 1);
+        format!(
             "(or (= {magnitude} {zero}) (= {magnitude} {infinity}) (and (= {magnitude} {nan}) (= {sign} #b0)) \
              (and (bvuge {magnitude} {least}) (bvule {magnitude} {greatest}) (distinct {class} #b000)))"
-        ));
-        if self.ieee_registers {
-            let ieee = self.decoded(script, result, self.format.significand(), self.format.ieee_width());
-            let again = self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(result);
-            script.assume(&format!("(= {again} {result})"));
-            self.are_alike(script, ieee, result);
-            let ieee_sign = script.slice(ieee, ieee.width - 1, ieee.width - 1);
-            script.assume(&format!("(= {ieee_sign} {sign})"));
-        }
+        )
+    }
+
+    /// Whether a canonical number is not subnormal, as a condition.
+    pub fn is_normal_or_zero(&self, script: &mut Script, number: Term) -> String {
+        let magnitude = script.slice(number, number.width - 2, 0);
+        let (exponent, fraction) = (self.format.exponent(), self.format.fraction_width());
+        let least = ((1_u64 << exponent) + 2 - (1 << (exponent - 1))) << fraction;
+        let [zero, least] = [0, least].map(|value| script.constant(magnitude.width, value));
+        format!("(or (= {magnitude} {zero}) (bvuge {magnitude} {least}))")
     }
 
     /// The result is NaN if an operand is.
