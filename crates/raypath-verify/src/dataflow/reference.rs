@@ -148,7 +148,13 @@ impl Terms<'_, '_, '_> {
             term
         });
         let used = format.significand() - magnitude.trailing_zeros().min(fraction);
+        self.made.units.is_short(script, term, used);
         Number { term, bits: used, factors: None }
+    }
+
+    fn short(self, term: Term, bits: u32) -> Number {
+        self.made.units.is_short(&mut self.made.script.borrow_mut(), term, bits);
+        Number { term, bits, factors: None }
     }
 
     fn operator(self, width: u32, name: &str, operands: &[Term]) -> Term {
@@ -217,14 +223,16 @@ impl Circuit for Terms<'_, '_, '_> {
         let script = &mut self.made.script.borrow_mut();
         let width = a.term.width;
         let sign = script.constant(width, 1 << (width - 1));
-        Number { term: script.operator(width, "bvxor", &[a.term, sign]), factors: None, ..a }
+        let term = script.operator(width, "bvxor", &[a.term, sign]);
+        self.made.units.is_short(script, term, a.bits);
+        Number { term, factors: None, ..a }
     }
     fn narrow(self, a: Number, to: Narrowing) -> Number {
         let term = self.converted(Conversion::Narrow(to), a.term);
         if let Some(factors) = a.factors {
             self.made.units.narrow_product(&mut self.made.script.borrow_mut(), factors, to, term);
         }
-        Number { term, bits: to.bits, factors: None }
+        self.short(term, to.bits)
     }
     fn compare(self, a: Number, b: Number) -> [Term; 3] {
         let bits = a.bits.max(b.bits);
@@ -280,7 +288,7 @@ impl Circuit for Terms<'_, '_, '_> {
     }
     fn select_num(self, condition: Term, a: Number, b: Number) -> Number {
         let term = self.select(condition, a.term, b.term);
-        Number { term, bits: a.bits.max(b.bits), factors: None }
+        self.short(term, a.bits.max(b.bits))
     }
     fn select_bit(self, condition: Term, if_true: Term, if_false: Term) -> Term {
         self.select(condition, if_true, if_false)

@@ -48,12 +48,17 @@ impl Units<'_> {
         let name = conversion.module(self.format);
         let (port_in, port_out) = conversion.ports();
         let result = self.chain(script, &self.modules(|module| module == name), &[(port_in, operand)], port_out);
-        let Some(result) = result else { return conversion.definition(script, self.format, operand) };
-        let result = self.padded(script, result);
-        if let (Conversion::Narrow(to), true) = (conversion, self.ieee_registers) {
-            self.is_canonical(script, result);
-            // A register can have a decoder of short numbers.
-            self.decoded(script, result, to.bits, self.format.ieee_width());
+        let is_unit = result.is_some();
+        let result = match result {
+            Some(result) => self.padded(script, result),
+            None => conversion.definition(script, self.format, operand),
+        };
+        if matches!(conversion, Conversion::Narrow(_)) && self.ieee_registers {
+            if is_unit {
+                self.is_canonical(script, result);
+            } else {
+                self.is_kept_if_normal(script, result);
+            }
         }
         result
     }
@@ -160,14 +165,30 @@ impl Units<'_> {
         let decoded = self.apply(script, "decode", &[("recoded", value)], "ieee");
         let decoded = decoded.unwrap_or_else(|| script.free(width));
         let dropped = self.format.significand() - bits;
-        let name = format!("raypath_fp_decode_e{}s{bits}", self.format.exponent());
-        let modules = self.modules(|module| module == name && dropped > 0);
+        let modules = self.modules(|module| module == self.short_decoder(bits) && dropped > 0);
         let short = script.slice(value, value.width - 1, dropped);
         if let Some(short) = self.chain(script, &modules, &[("recoded", short)], "ieee") {
             let zeros = script.constant(dropped, 0);
             script.assume(&format!("(= {decoded} (concat {short} {zeros}))"));
         }
         decoded
+    }
+
+    /// What is known of a number of `bits` bits: a register in the layout of IEEE 754 can have a decoder of short
+    /// numbers, which gives what the full one does.
+    pub fn is_short(&self, script: &mut Script, number: Term, bits: u32) {
+        if self.ieee_registers {
+            let decoders = (bits..self.format.significand())
+                .filter(|bits| !self.modules(|module| module == self.short_decoder(*bits)).is_empty());
+            for bits in decoders.collect::<Vec<u32>>() {
+                self.decoded(script, number, bits, self.format.ieee_width());
+            }
+        }
+    }
+
+    /// The name of the decoder of numbers of so many bits.
+    fn short_decoder(&self, bits: u32) -> String {
+        format!("raypath_fp_decode_e{}s{bits}", self.format.exponent())
     }
 
     /// What is known of the conversions of a constant.
@@ -201,13 +222,26 @@ impl Units<'_> {
         let canonical = self.canonical(script, result);
         script.assume(&canonical);
         if self.ieee_registers {
-            let ieee = self.decoded(script, result, self.format.significand(), self.format.ieee_width());
-            let again = self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(result);
+            let (ieee, again) = self.stored(script, result);
             script.assume(&format!("(= {again} {result})"));
             self.are_alike(script, ieee, result);
             let [ieee_sign, sign] = [ieee, result].map(|term| script.slice(term, term.width - 1, term.width - 1));
             script.assume(&format!("(= {ieee_sign} {sign})"));
         }
+    }
+
+    /// What is known of any number: a register in the layout of IEEE 754 keeps it if the recoded format writes it, and
+    /// it is not subnormal.
+    fn is_kept_if_normal(&self, script: &mut Script, number: Term) {
+        let conditions = [self.canonical(script, number), self.is_normal_or_zero(script, number)].join(" ");
+        let (_, again) = self.stored(script, number);
+        script.assume(&format!("(=> (and {conditions}) (= {again} {number}))"));
+    }
+
+    /// A number in the layout of IEEE 754, and that recoded again.
+    fn stored(&self, script: &mut Script, number: Term) -> (Term, Term) {
+        let ieee = self.decoded(script, number, self.format.significand(), self.format.ieee_width());
+        (ieee, self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(number))
     }
 
     /// Whether a number is one of the words that the recoded format writes, as a condition.
