@@ -140,11 +140,10 @@ impl Problem {
         let expected = conversion.definition(&mut script, format, operand);
         let mut pairs = vec![(port_out.to_string(), actual, expected)];
         if matches!(conversion, Conversion::Narrow(_)) {
-            // So that a register in the layout of IEEE 754 keeps it: no number is subnormal.
-            let canonical = units.canonical(&mut script, actual);
-            let normal = units.is_normal_or_zero(&mut script, actual);
-            let is_kept = script.bit(&format!("(and {canonical} {normal})"));
-            pairs.push((format!("that {port_out} can be stored"), is_kept, script.constant(1, 1)));
+            // So that a register in the layout of IEEE 754 keeps it.
+            let can_be_stored = units.can_be_stored(&mut script, actual);
+            let can_be_stored = script.bit(&can_be_stored);
+            pairs.push((format!("whether {port_out} can be stored"), can_be_stored, script.constant(1, 1)));
         }
         Ok(Self { name: conversion.module(format), script, pairs, conversions: BTreeSet::new() })
     }

@@ -140,18 +140,18 @@ impl Terms<'_, '_, '_> {
             _ if value.is_infinite() => format.infinity(),
             _ => magnitude - (((1 << exponent) - bias) << fraction),
         };
-        let script = &mut self.made.script.borrow_mut();
         // Also what is known of its negation, which is a constant too.
         let [term, _] = [sign, 1 - sign].map(|sign| {
+            let script = &mut self.made.script.borrow_mut();
             let term = script.constant(format.recoded_width(), (sign << (exponent + 1 + fraction)) | magnitude);
             self.made.units.is_constant(script, term, (sign << (exponent + fraction)) | ieee);
             term
         });
         let used = format.significand() - magnitude.trailing_zeros().min(fraction);
-        self.made.units.is_short(script, term, used);
-        Number { term, bits: used, factors: None }
+        self.short(term, used)
     }
 
+    /// A number of `bits` bits, zeros below.
     fn short(self, term: Term, bits: u32) -> Number {
         self.made.units.is_short(&mut self.made.script.borrow_mut(), term, bits);
         Number { term, bits, factors: None }
@@ -220,12 +220,9 @@ impl Circuit for Terms<'_, '_, '_> {
         Number { factors: Some((a.term, b.term)), ..self.number(product) }
     }
     fn negate(self, a: Number) -> Number {
-        let script = &mut self.made.script.borrow_mut();
         let width = a.term.width;
-        let sign = script.constant(width, 1 << (width - 1));
-        let term = script.operator(width, "bvxor", &[a.term, sign]);
-        self.made.units.is_short(script, term, a.bits);
-        Number { term, factors: None, ..a }
+        let sign = self.made.script.borrow_mut().constant(width, 1 << (width - 1));
+        self.short(self.operator(width, "bvxor", &[a.term, sign]), a.bits)
     }
     fn narrow(self, a: Number, to: Narrowing) -> Number {
         let term = self.converted(Conversion::Narrow(to), a.term);

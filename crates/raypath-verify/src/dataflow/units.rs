@@ -48,18 +48,17 @@ impl Units<'_> {
         let name = conversion.module(self.format);
         let (port_in, port_out) = conversion.ports();
         let result = self.chain(script, &self.modules(|module| module == name), &[(port_in, operand)], port_out);
-        let is_unit = result.is_some();
-        let result = match result {
-            Some(result) => self.padded(script, result),
-            None => conversion.definition(script, self.format, operand),
+        let Some(result) = result else {
+            let result = conversion.definition(script, self.format, operand);
+            self.is_kept(script, result);
+            return result;
         };
+        let result = self.padded(script, result);
         if matches!(conversion, Conversion::Narrow(_)) && self.ieee_registers {
-            if is_unit {
-                self.is_canonical(script, result);
-            } else {
-                self.is_kept_if_normal(script, result);
-            }
+            let [operand, can_be_stored] = [self.canonical(script, operand), self.can_be_stored(script, result)];
+            script.assume(&format!("(=> {operand} {can_be_stored})"));
         }
+        self.is_kept(script, result);
         result
     }
 
@@ -152,7 +151,8 @@ impl Units<'_> {
         let encoded = self.apply(script, "encode", &[("ieee", value)], "recoded");
         let encoded = encoded.unwrap_or_else(|| script.free(self.format.recoded_width()));
         self.is_canonical(script, encoded);
-        self.are_alike(script, value, encoded);
+        let alike = self.alike(script, value, encoded);
+        script.assume(&alike);
         encoded
     }
 
@@ -180,7 +180,7 @@ impl Units<'_> {
         if self.ieee_registers {
             let decoders = (bits..self.format.significand())
                 .filter(|bits| !self.modules(|module| module == self.short_decoder(*bits)).is_empty());
-            for bits in decoders.collect::<Vec<u32>>() {
+            for bits in decoders {
                 self.decoded(script, number, bits, self.format.ieee_width());
             }
         }
@@ -222,30 +222,30 @@ impl Units<'_> {
         let canonical = self.canonical(script, result);
         script.assume(&canonical);
         if self.ieee_registers {
-            let (ieee, again) = self.stored(script, result);
-            script.assume(&format!("(= {again} {result})"));
-            self.are_alike(script, ieee, result);
-            let [ieee_sign, sign] = [ieee, result].map(|term| script.slice(term, term.width - 1, term.width - 1));
-            script.assume(&format!("(= {ieee_sign} {sign})"));
+            let kept = self.kept(script, result);
+            script.assume(&kept);
         }
     }
 
-    /// What is known of any number: a register in the layout of IEEE 754 keeps it if the recoded format writes it, and
-    /// it is not subnormal.
-    fn is_kept_if_normal(&self, script: &mut Script, number: Term) {
-        let conditions = [self.canonical(script, number), self.is_normal_or_zero(script, number)].join(" ");
-        let (_, again) = self.stored(script, number);
-        script.assume(&format!("(=> (and {conditions}) (= {again} {number}))"));
+    /// What is known of any number: a register in the layout of IEEE 754 keeps it if it can be stored.
+    fn is_kept(&self, script: &mut Script, number: Term) {
+        if self.ieee_registers {
+            let [can_be_stored, kept] = [self.can_be_stored(script, number), self.kept(script, number)];
+            script.assume(&format!("(=> {can_be_stored} {kept})"));
+        }
     }
 
-    /// A number in the layout of IEEE 754, and that recoded again.
-    fn stored(&self, script: &mut Script, number: Term) -> (Term, Term) {
+    /// Whether a number that is decoded and encoded again is what it was, with its sign and class, as a condition.
+    fn kept(&self, script: &mut Script, number: Term) -> String {
         let ieee = self.decoded(script, number, self.format.significand(), self.format.ieee_width());
-        (ieee, self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(number))
+        let again = self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(number);
+        let alike = self.alike(script, ieee, number);
+        let [ieee_sign, sign] = [ieee, number].map(|term| script.slice(term, term.width - 1, term.width - 1));
+        format!("(and (= {again} {number}) {alike} (= {ieee_sign} {sign}))")
     }
 
     /// Whether a number is one of the words that the recoded format writes, as a condition.
-    pub fn canonical(&self, script: &mut Script, number: Term) -> String {
+    fn canonical(&self, script: &mut Script, number: Term) -> String {
         let (exponent, fraction, width) = (self.format.exponent(), self.format.fraction_width(), number.width);
         let class = script.slice(number, width - 2, width - 4);
         let magnitude = script.slice(number, width - 2, 0);
@@ -263,13 +263,14 @@ impl Units<'_> {
         )
     }
 
-    /// Whether a canonical number is not subnormal, as a condition.
-    pub fn is_normal_or_zero(&self, script: &mut Script, number: Term) -> String {
+    /// Whether the recoded format writes a number and it is not subnormal, as a condition.
+    pub fn can_be_stored(&self, script: &mut Script, number: Term) -> String {
+        let canonical = self.canonical(script, number);
         let magnitude = script.slice(number, number.width - 2, 0);
         let (exponent, fraction) = (self.format.exponent(), self.format.fraction_width());
         let least = ((1_u64 << exponent) + 2 - (1 << (exponent - 1))) << fraction;
         let [zero, least] = [0, least].map(|value| script.constant(magnitude.width, value));
-        format!("(or (= {magnitude} {zero}) (bvuge {magnitude} {least}))")
+        format!("(and {canonical} (or (= {magnitude} {zero}) (bvuge {magnitude} {least})))")
     }
 
     /// The result is NaN if an operand is.
@@ -282,8 +283,8 @@ impl Units<'_> {
         }
     }
 
-    /// A number in the layout of IEEE 754 and recoded has the same class and, unless it is NaN, the same sign.
-    fn are_alike(&self, script: &mut Script, ieee: Term, recoded: Term) {
+    /// Whether a number in the layout of IEEE 754 and recoded has the same class and, unless it is NaN, the same sign.
+    fn alike(&self, script: &mut Script, ieee: Term, recoded: Term) -> String {
         let (fraction, width) = (self.format.fraction_width(), ieee.width);
         let [sign, magnitude] =
             [(width - 1, width - 1), (width - 2, 0)].map(|(high, low)| script.slice(ieee, high, low));
@@ -291,12 +292,15 @@ impl Units<'_> {
             [(width, width), (width - 1, width - 3)].map(|(high, low)| script.slice(recoded, high, low));
         let infinity = script.constant(width - 1, ((1_u64 << self.format.exponent()) - 1) << fraction);
         let zero = script.constant(width - 1, 0);
-        script.assume(&format!("(= (= {magnitude} {zero}) (= {class} #b000))"));
-        script.assume(&format!("(= (bvugt {magnitude} {infinity}) (= {class} #b111))"));
-        script.assume(&format!("(or (= {class} #b111) (= {sign} {recoded_sign}))"));
-        if self.positive_nans {
-            script.assume(&format!("(=> (= {class} #b111) (and (= {sign} #b0) (= {recoded_sign} #b0)))"));
-        }
+        let nan = if self.positive_nans {
+            format!("(=> (= {class} #b111) (and (= {sign} #b0) (= {recoded_sign} #b0)))")
+        } else {
+            "true".to_string()
+        };
+        format!(
+            "(and (= (= {magnitude} {zero}) (= {class} #b000)) (= (bvugt {magnitude} {infinity}) (= {class} #b111)) \
+             (or (= {class} #b111) (= {sign} {recoded_sign})) {nan})"
+        )
     }
 
     /// An output of the unit with this name; none if the design has no such unit.
