@@ -22,17 +22,19 @@ def planned(program: Path, command: str, *words: str, shards: int = 3) -> Plan:
 
 
 def test_each_item_is_divided(program: Path, tmp_path: Path) -> None:
-    found = planned(program, "verify", "--jobs=7", "boxes", "--record", str(tmp_path), "sums", "--preset", "credit")
+    found = planned(
+        program, "verify", "--jobs=7", "models", "--record", str(tmp_path), "watertight", "--preset", "credit"
+    )
     # The items are in the order in which raypath runs them.
-    assert [part.name for part in found.parts] == ["boxes", "sums"]
-    assert [shard.command for shard in found.parts[1].shards] == [
-        f"raypath verify sums --jobs=7 --preset credit --shard {number}/3" for number in (1, 2, 3)
+    assert [part.name for part in found.parts] == ["watertight", "models"]
+    assert [shard.command for shard in found.parts[0].shards] == [
+        f"raypath verify watertight --jobs=7 --preset credit --shard {number}/3" for number in (1, 2, 3)
     ]
     assert len({shard.key for shard in found.shards}) == 6
-    whole = ["--jobs=7", "boxes", "--record", str(tmp_path), "sums", "--preset", "credit", "--merge", "parts"]
+    whole = ["--jobs=7", "models", "--record", str(tmp_path), "watertight", "--preset", "credit", "--merge", "parts"]
     assert found.merge(list(found.parts), Path("parts"))[1:] == ["verify", *whole]
     rest = ["--jobs=7", "--record", str(tmp_path), "--preset", "credit", "--merge", "parts"]
-    assert found.merge([found.parts[1]], Path("parts"))[1:] == ["verify", "sums", *rest]
+    assert found.merge([found.parts[0]], Path("parts"))[1:] == ["verify", "watertight", *rest]
     listed = subprocess.run([program, "verify", "--list"], check=True, capture_output=True, text=True).stdout
     assert len(planned(program, "verify").parts) == listed.count("\n  claim ")
 
