@@ -4,6 +4,7 @@ use crate::files::{read, temporary_folder, write};
 use crate::verilator_coverage::{CoveragePoint, NO_INLINING, points};
 use crate::{Program, Sources, ToolError, verilator_main, verilator_stream};
 use raypath_hdl::Module;
+use std::collections::BTreeSet;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
@@ -35,6 +36,8 @@ pub struct Options {
     /// Whether lines, branches and toggles are counted, for [`Verilated::coverage`]. Such programs are many times as
     /// large.
     pub coverage: bool,
+    /// The modules that are not counted: they and their simulation are as small and as fast as without coverage.
+    pub uncounted: BTreeSet<String>,
     /// A folder that keeps compiled programs, so that none is compiled twice from the same texts. By default the one
     /// that the environment variable `RAYPATH_VERILATED` names.
     pub kept: Option<PathBuf>,
@@ -44,7 +47,7 @@ impl Default for Options {
     fn default() -> Self {
         let jobs = std::thread::available_parallelism().map_or(1, usize::from);
         let kept = std::env::var_os("RAYPATH_VERILATED").map(PathBuf::from);
-        Self { c_optimisation: 0, native: false, jobs, coverage: false, kept }
+        Self { c_optimisation: 0, native: false, jobs, coverage: false, uncounted: BTreeSet::new(), kept }
     }
 }
 
@@ -284,9 +287,10 @@ fn compile(
         command.args(["--output-split", "1000000000"]);
     }
     if options.coverage {
-        let no_inlining = folder.join("no_inlining.vlt");
-        write(&no_inlining, NO_INLINING)?;
-        command.arg("--coverage").arg(no_inlining);
+        let uncounted = options.uncounted.iter().map(|module| format!("coverage_off -file \"*/{module}.sv\"\n"));
+        let configuration = folder.join("coverage.vlt");
+        write(&configuration, &(NO_INLINING.to_string() + &uncounted.collect::<String>()))?;
+        command.arg("--coverage").arg(configuration);
     }
     if options.native {
         command.args(["-CFLAGS", "-march=native"]);
@@ -326,9 +330,11 @@ fn ended(program: &Path, output: String) -> ToolError {
 
 /// The place of the program of these texts in the folder of kept programs, if there is one.
 fn kept_program(files: &[PathBuf], top: &Module, main: &str, options: &Options) -> Result<Option<PathBuf>, ToolError> {
-    let Options { c_optimisation, native, coverage, kept: Some(folder), .. } = options else { return Ok(None) };
+    let Options { c_optimisation, native, coverage, uncounted, kept: Some(folder), .. } = options else {
+        return Ok(None);
+    };
     let mut key = DefaultHasher::new();
-    (VERILATOR.version()?, top.name(), main, c_optimisation, native, coverage).hash(&mut key);
+    (VERILATOR.version()?, top.name(), main, c_optimisation, native, coverage, uncounted).hash(&mut key);
     for file in files {
         read(file)?.hash(&mut key);
     }

@@ -1,10 +1,12 @@
 //! Traffic at the ports of a unit: scenes, rays, a memory that answers in any order, and users that stall.
 
 mod recorder;
+mod scatter;
 mod scene;
 mod two_level;
 
 pub use recorder::{RecordedCycle, Recorder};
+pub use scatter::invalid_child;
 pub use scene::{BlockScene, never, random_ray};
 pub use two_level::TwoLevelScene;
 
@@ -36,6 +38,8 @@ pub struct ProtocolError(pub String);
 pub struct Environment<'s> {
     scene: &'s [u8],
     nodes: NodeKind,
+    /// The bits of an address that the memory reads.
+    address_mask: u32,
     beat_bytes: usize,
     behaviour: Behaviour,
     /// The cycles of the longest stall, and the cycle up to which each channel stalls.
@@ -76,6 +80,7 @@ impl<'s> Environment<'s> {
         Self {
             scene,
             nodes: NodeKind::Wide4,
+            address_mask: u32::MAX,
             beat_bytes: memory_width as usize / 8,
             behaviour,
             longest_stall: 1,
@@ -104,6 +109,11 @@ impl<'s> Environment<'s> {
     /// The same with a scene of these nodes.
     pub fn of_nodes(self, nodes: NodeKind) -> Self {
         Self { nodes, ..self }
+    }
+
+    /// The same with a memory that reads these bits of an address alone.
+    pub fn ignoring_upper_bits(self, address_mask: u32) -> Self {
+        Self { address_mask, ..self }
     }
 
     /// Whether all rays have ended, or were lost in a reset.
@@ -228,7 +238,7 @@ impl<'s> Environment<'s> {
             self.moved = now;
             let (least, greatest) = self.behaviour.latency;
             let bytes = self.nodes.block_bytes();
-            let found = self.scene.block(address, bytes);
+            let found = self.scene.block(address & self.address_mask, bytes);
             self.pending.push(Pending {
                 due: now + self.random.random_range(least..=greatest),
                 tag,

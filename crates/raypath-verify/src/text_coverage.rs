@@ -1,47 +1,45 @@
 //! Coverage of the emitted text: lines, branches and toggles, counted by Verilator under the stimuli of campaigns.
 
+mod choices;
 mod constants;
+mod datapath;
+mod design;
 mod reachable;
-mod run;
-mod subjects;
+mod unit;
 
 use crate::campaign::FOLDER;
 use crate::subjects::Subject;
 use crate::{Error, Level, Request, Verdict, files};
+use choices::{Choice, choices};
 use constants::{Bit, constants};
-use raypath_hdl::{Module, verilog};
-use raypath_model::{OperationId, Shape};
-use raypath_sim::engine::shape;
+use design::{Design, Run};
+use raypath_hdl::verilog;
 use raypath_tools::{CoverageKind, CoveragePoint, Options, Sources, Verilated, pool, read, temporary_folder};
 use reachable::Text;
-use run::Run;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
-use std::sync::Arc;
 use tempfile::TempDir;
 
 /// The share of reachable points that must be hit, in percent.
 const BAR: f64 = 99.0;
-/// The episodes of a run of the simulator.
-const EPISODES_PER_RUN: u64 = 8;
-
-/// Counts the coverage of the level's datapaths, or of the one that the user chose; and of runs that leave out an
-/// operation, which must be below the bar.
+/// Counts the coverage of the level's designs, or of the datapath that the user chose; and of runs that leave
+/// something out, which must be below the bar.
 ///
 /// # Errors
-/// A program is missing or fails; a datapath cannot be elaborated; a file cannot be written.
+/// A program is missing or fails; a design cannot be built; a file cannot be written.
 pub(crate) fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (level, seed, shard) = (request.level, request.seed, request.shard);
-    let subjects = if request.is_chosen { vec![Subject::of(request)] } else { subjects::subjects(level)? };
+    let choices = if request.is_chosen { vec![Choice::Datapath(Subject::of(request))] } else { choices(level)? };
+    let first_unit = choices.iter().position(|choice| matches!(choice, Choice::Unit(..)));
     let shards = request.parts.phase(|| {
-        let own: Vec<(usize, &Subject)> = shard.of(subjects.iter().enumerate()).collect();
-        pool::map(&own, pool::ALL_CORES, request.proceed, |(number, subject), _| {
-            // Each operation left out costs a run.
-            let has_controls = *number == 0 || level > Level::Full;
-            Ok::<_, Error>(Some(Found::of(subject, level.pick(1, 8, 64), seed, has_controls)?))
+        let own: Vec<(usize, &Choice)> = shard.of(choices.iter().enumerate()).collect();
+        pool::map(&own, pool::ALL_CORES, request.proceed, |(number, choice), _| {
+            // Whatever is left out costs runs.
+            let has_controls = *number == 0 || Some(*number) == first_unit || level > Level::Full;
+            Ok::<_, Error>(Some(Found::of(choice, level.pick(1, 8, 64), seed, has_controls)?))
         })
     })?;
     let mut verdict = Verdict::default();
@@ -59,8 +57,10 @@ pub(crate) fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     }
     let counts: Vec<String> =
         CoverageKind::ALL.iter().zip(sums).map(|(kind, counts)| format!("{} {counts}", kind.name())).collect();
-    verdict.covered =
-        format!("{designs} designs: {}; {controls} runs without an operation are below {BAR} %", counts.join(", "));
+    verdict.covered = format!(
+        "{designs} designs: {}; {controls} runs without an operation or without nodes are below {BAR} %",
+        counts.join(", ")
+    );
     let path = Path::new(FOLDER).join("text-coverage.txt");
     files::write(&path, &text)?;
     verdict.remarks.push(format!("points that were not hit: {}", path.display()));
@@ -74,6 +74,8 @@ struct Counts {
     reachable: u64,
     /// Proved to be out of reach, and not hit.
     unreachable: u64,
+    /// Left out for the design's reasons.
+    left_out: u64,
 }
 
 impl Counts {
@@ -81,6 +83,7 @@ impl Counts {
         self.hit += other.hit;
         self.reachable += other.reachable;
         self.unreachable += other.unreachable;
+        self.left_out += other.left_out;
     }
 
     fn percent(self) -> f64 {
@@ -90,12 +93,16 @@ impl Counts {
 
 impl fmt::Display for Counts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { hit, reachable, unreachable } = self;
-        write!(f, "{:.2} % ({hit} of {reachable} points, {unreachable} out of reach)", self.percent())
+        let Self { hit, reachable, unreachable, left_out } = self;
+        write!(f, "{:.2} % ({hit} of {reachable} points, {unreachable} out of reach", self.percent())?;
+        if *left_out > 0 {
+            write!(f, ", {left_out} left out")?;
+        }
+        f.write_str(")")
     }
 }
 
-/// The result of a datapath.
+/// The result of a design.
 #[derive(Serialize, Deserialize)]
 struct Found {
     /// Of each kind of points.
@@ -107,35 +114,51 @@ struct Found {
 }
 
 impl Found {
-    /// The coverage of so many runs of a datapath, and the runs that leave out an operation if there are several.
-    fn of(subject: &Subject, runs: u64, seed: u64, has_controls: bool) -> Result<Self, Error> {
-        let mut design = Design::new(subject)?;
+    /// The coverage of so many runs of a design, and the runs that leave something out if it has controls.
+    fn of(choice: &Choice, runs: u64, seed: u64, has_controls: bool) -> Result<Self, Error> {
+        let design = choice.open()?;
+        let mut covered = Covered::new(&*design)?;
         let mut failures = Vec::new();
-        let points = design.points(0..runs, seed, None, &mut failures)?;
-        design.constants = constants(&design.source, &points)?;
-        let counts = design.counts(&points, &mut failures);
+        let points = covered.points(0..runs, seed, None, &mut failures)?;
+        covered.constants = constants(&covered.source, &points)?;
+        let counts = covered.counts(&points, &mut failures);
         for (kind, counts) in CoverageKind::ALL.iter().zip(counts) {
             if counts.percent() < BAR {
                 failures.push(format!("{} coverage is {counts}, expected {BAR} %", kind.name()));
             }
         }
-        let operations = subject.datapath().model().kinds();
-        let omitted: &[OperationId] = if has_controls && operations.len() > 1 { &operations } else { &[] };
-        let controls = pool::map(omitted, pool::ALL_CORES, &mut |_| true, |operation, _| {
+        let mut omissions = design.omissions();
+        omissions.truncate(if has_controls { usize::MAX } else { 0 });
+        let omitted: Vec<usize> = (0..omissions.len()).collect();
+        let controls = pool::map(&omitted, pool::ALL_CORES, &mut |_| true, |&omitted, _| {
             let mut failures = Vec::new();
-            let points = design.points(0..runs, seed, Some(*operation), &mut failures)?;
-            if design.counts(&points, &mut failures).iter().all(|counts| counts.percent() >= BAR) {
-                failures.push(format!("without jobs of {operation}, the coverage is not below {BAR} %"));
+            let points = covered.points(0..runs, seed, Some(omitted), &mut failures)?;
+            if covered.counts(&points, &mut failures).iter().all(|counts| counts.percent() >= BAR) {
+                failures.push(format!("without {}, the coverage is not below {BAR} %", omissions[omitted]));
             }
             Ok::<_, Error>(Some(failures))
         })?;
         failures.extend(controls.into_iter().flatten().flatten());
-        let rest = points.iter().filter(|point| !is_hit(point) && !design.is_out_of_reach(point));
+        let rest = points
+            .iter()
+            .filter(|point| !(is_hit(point) || covered.is_out_of_reach(point) || design.is_left_out(point)));
         let lines = rest
             .map(|point| format!("  {}, line {}: {} {}\n", point.module, point.line, point.kind.name(), point.name));
-        let report = std::iter::once(format!("{subject}\n")).chain(lines).collect();
-        let failures = failures.into_iter().map(|failure| format!("{subject}: {failure}")).collect();
-        Ok(Self { counts, controls: omitted.len() as u64, failures, report })
+        let report = std::iter::once(format!("{choice}\n")).chain(lines).collect();
+        let failures = failures.into_iter().map(|failure| format!("{choice}: {failure}")).collect();
+        Ok(Self { counts, controls: omissions.len() as u64, failures, report })
+    }
+}
+
+/// Adds the points of another run of the same program, which has the same points in the same order.
+fn add(sum: &mut Vec<CoveragePoint>, points: Vec<CoveragePoint>) {
+    if sum.is_empty() {
+        *sum = points;
+        return;
+    }
+    for (sum, point) in sum.iter_mut().zip(points) {
+        // Bits begin each run with 0: one that rises in two runs has not fallen.
+        sum.hits = if point.kind == CoverageKind::Toggle { sum.hits.max(point.hits) } else { sum.hits + point.hits };
     }
 }
 
@@ -144,70 +167,66 @@ fn is_hit(point: &CoveragePoint) -> bool {
     point.hits >= if point.kind == CoverageKind::Toggle { 2 } else { 1 }
 }
 
-/// A datapath's text in Verilator.
-struct Design<'s> {
-    subject: &'s Subject,
-    top: Arc<Module>,
-    shape: Shape,
+/// A design's text in Verilator.
+struct Covered<'d> {
+    design: &'d dyn Design,
     text: Text,
     /// All modules as printed.
     source: String,
-    /// The bits that are proved to be constant.
-    constants: BTreeSet<Bit>,
+    /// The bits that are proved to be constant, with their values.
+    constants: BTreeMap<Bit, bool>,
     verilated: Verilated,
     /// Has the program.
     _folder: TempDir,
 }
 
-impl<'s> Design<'s> {
-    fn new(subject: &'s Subject) -> Result<Self, Error> {
-        let datapath = subject.datapath().elaborate()?;
-        let (top, folder) = (datapath.top().clone(), temporary_folder()?);
-        let text = Text::new(&verilog::sources(&top, &[])?);
-        let Sources { files, all, .. } = Sources::write(&top, folder.path())?;
+impl<'d> Covered<'d> {
+    fn new(design: &'d dyn Design) -> Result<Self, Error> {
+        let (top, folder) = (design.top(), temporary_folder()?);
+        let text = Text::new(&verilog::sources(top, &[])?);
+        let Sources { files, all, .. } = Sources::write(top, folder.path())?;
         let source = String::from_utf8_lossy(&read(&all)?).into_owned();
-        let options = Options { coverage: true, ..Options::default() };
-        let verilated = Verilated::build_sources(&files, &top, folder.path(), &options)?;
-        let shape = shape(subject.config, &datapath);
-        Ok(Self { subject, top, shape, text, source, constants: BTreeSet::new(), verilated, _folder: folder })
+        let uncounted = design.covered_elsewhere()?;
+        let options = Options { coverage: true, uncounted, ..Options::default() };
+        let verilated = Verilated::build_sources(&files, top, folder.path(), &options)?;
+        Ok(Self { design, text, source, constants: BTreeMap::new(), verilated, _folder: folder })
     }
 
-    /// The points with their hits in all runs. Outputs that are not the cycle-exact model's are failures.
+    /// The points with their hits in all runs. Outputs that are not the model's are failures.
     fn points(
         &self,
         runs: Range<u64>,
         seed: u64,
-        omitted: Option<OperationId>,
+        omitted: Option<usize>,
         failures: &mut Vec<String>,
     ) -> Result<Vec<CoveragePoint>, Error> {
         let mut sum: Vec<CoveragePoint> = Vec::new();
-        for run in runs {
-            let episodes = run * EPISODES_PER_RUN..(run + 1) * EPISODES_PER_RUN;
-            let Run { frames, expected } = Run::new(self.subject, &self.top, &self.shape, seed, episodes, omitted);
+        for number in runs {
+            let Run { frames, fault } = match self.design.run(seed, number, omitted) {
+                Ok(run) => run,
+                Err(problem) => {
+                    failures.push(format!("run {number}: {problem}"));
+                    continue;
+                }
+            };
             let mut wrong = None;
             let points = self.verilated.coverage(frames, |cycle, words| {
-                let expected = expected.get(cycle).and_then(Option::as_ref);
-                if let (None, Some(what)) = (&wrong, expected.and_then(|it| it.fault(&self.top, words))) {
-                    wrong = Some(format!("run {run}, cycle {cycle}: {what}"));
+                if let (None, Some(what)) = (&wrong, fault(cycle, words)) {
+                    wrong = Some(format!("run {number}, cycle {cycle}: {what}"));
                 }
             })?;
             failures.extend(wrong);
-            if sum.is_empty() {
-                sum = points;
-            } else {
-                // The same program has the same points in the same order.
-                sum.iter_mut().zip(points).for_each(|(sum, point)| sum.hits += point.hits);
-            }
+            add(&mut sum, points);
         }
         Ok(sum)
     }
 
     fn is_out_of_reach(&self, point: &CoveragePoint) -> bool {
-        let is_constant = || self.constants.contains(&(point.module.clone(), point.name.clone()));
+        let constant = |name: &str| self.constants.get(&(point.module.clone(), name.to_string())).copied();
         match point.kind {
             CoverageKind::Line => self.text.is_default_of_complete_case(point),
-            CoverageKind::Branch => false,
-            CoverageKind::Toggle => is_constant(),
+            CoverageKind::Branch => self.text.always(point).and_then(constant) == Some(true),
+            CoverageKind::Toggle => constant(&point.name).is_some(),
         }
     }
 
@@ -216,7 +235,9 @@ impl<'s> Design<'s> {
         CoverageKind::ALL.map(|kind| {
             let mut counts = Counts::default();
             for point in points.iter().filter(|point| point.kind == kind) {
-                if !self.is_out_of_reach(point) {
+                if self.design.is_left_out(point) {
+                    counts.left_out += 1;
+                } else if !self.is_out_of_reach(point) {
                     counts.reachable += 1;
                     counts.hit += u64::from(is_hit(point));
                 } else if is_hit(point) {
@@ -228,5 +249,28 @@ impl<'s> Design<'s> {
             }
             counts
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bit_that_rises_in_each_run_and_never_falls_is_not_covered() {
+        let points = |hits: u64| {
+            let point = |kind| CoveragePoint { kind, module: "m".into(), line: 1, name: "a".into(), hits };
+            CoverageKind::ALL.map(point).to_vec()
+        };
+        let mut sum = Vec::new();
+        for hits in [1, 0, 1] {
+            add(&mut sum, points(hits));
+        }
+        assert_eq!(
+            sum.iter().map(|point| (point.hits, is_hit(point))).collect::<Vec<_>>(),
+            [(2, true), (2, true), (1, false)]
+        );
+        add(&mut sum, points(2));
+        assert!(sum.iter().all(is_hit));
     }
 }

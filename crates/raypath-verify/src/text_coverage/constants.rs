@@ -1,9 +1,9 @@
-//! Bits that cannot change: they are constant for any inputs of their module, and any registers and outputs of
-//! instances in it, as Yosys proves by SAT.
+//! Bits that cannot change: they are constant for any inputs of their module but those that all its instances tie to a
+//! constant, and any registers and outputs of instances in it, as Yosys proves by SAT.
 
 use crate::Error;
 use raypath_tools::{CoverageKind, CoveragePoint, ToolError, Yosys, read, temporary_folder, write};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 /// The module and the bit, `num_q[3]`.
@@ -12,9 +12,9 @@ pub type Bit = (String, String);
 const SCRIPT: &str = "constants.ys";
 const ANSWERS: &str = "answers.txt";
 
-/// The bits of this text, among those that were not toggled, that are proved to be constant. Modules with parameters,
-/// whose widths differ by instance, are left out.
-pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeSet<Bit>, Error> {
+/// The bits of this text, among those that were not toggled, that are proved to be constant, with their values. Modules
+/// with parameters, whose widths differ by instance, are left out.
+pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeMap<Bit, bool>, Error> {
     let has_parameters = |module: &str| text.contains(&format!("module {module} #("));
     let mut bits: BTreeMap<&str, Vec<(&str, u64)>> = BTreeMap::new();
     for point in points.iter().filter(|point| point.kind == CoverageKind::Toggle && !has_parameters(&point.module)) {
@@ -24,13 +24,15 @@ pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeSet<Bit>, 
         }
     }
     if bits.is_empty() {
-        return Ok(BTreeSet::new());
+        return Ok(BTreeMap::new());
     }
     let mut script = String::from("read_verilog -sv text.sv\nproc\n");
     for (module, bits) in &bits {
+        let tied: Vec<String> = tied(text, module).iter().map(|(port, value)| format!("-set {port} {value}")).collect();
+        let sat = format!("tee -q -a {ANSWERS} sat -ignore_unknown_cells {}", tied.join(" "));
         script += &format!("cd {module}\n");
         for (name, value) in bits {
-            script += &format!("tee -q -a {ANSWERS} sat -ignore_unknown_cells -prove {name} 1'b{value}\n");
+            script += &format!("{sat} -prove {name} 1'b{value}\n");
         }
         script += "cd ..\n";
     }
@@ -44,15 +46,36 @@ pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeSet<Bit>, 
         .filter(|line| line.starts_with("SAT proof finished"))
         .map(|line| line.contains("no model found: SUCCESS"))
         .collect();
-    let asked: Vec<Bit> = bits
+    let asked: Vec<(Bit, bool)> = bits
         .iter()
-        .flat_map(|(module, bits)| bits.iter().map(|(name, _)| (module.to_string(), name.to_string())))
+        .flat_map(|(module, bits)| {
+            bits.iter().map(|&(name, value)| ((module.to_string(), name.to_string()), value == 1))
+        })
         .collect();
     if answers.len() != asked.len() {
         let found = format!("{} answers", answers.len());
         return Err(ToolError::unexpected("Yosys's sat", found, asked.len().to_string()).into());
     }
     Ok(asked.into_iter().zip(answers).filter_map(|(bit, is_proved)| is_proved.then_some(bit)).collect())
+}
+
+/// The inputs of one bit that have the same constant in each instance of a module in this text, with its literal.
+fn tied<'t>(text: &'t str, module: &str) -> Vec<(&'t str, &'t str)> {
+    let start = format!("\n  {module} u_");
+    let instances = text.match_indices(&start).filter_map(|(at, _)| text[at + start.len()..].split(");").next());
+    let mut common: Option<Vec<(&str, &str)>> = None;
+    for instance in instances {
+        let connections = instance.split('.').filter_map(|connection| connection.split_once(" ("));
+        let own: Vec<(&str, &str)> = connections
+            .filter_map(|(port, rest)| Some((port, rest.split(')').next()?)))
+            .filter(|(_, value)| ["1'b0", "1'b1"].contains(value))
+            .collect();
+        common = Some(match common {
+            None => own,
+            Some(common) => common.into_iter().filter(|connection| own.contains(connection)).collect(),
+        });
+    }
+    common.unwrap_or_default()
 }
 
 /// Whether a name is that of a signal or of its bit.
@@ -80,7 +103,21 @@ mod tests {
         let points =
             [("b_o[0]", 0), ("b_o[1]", 0), ("b_o[2]", 1), ("b_o[3]", 0), ("a_i[1]", 0), ("b_o[2]", 0), ("q", 5)];
         let found = constants(text, &points.map(|(name, hits)| point(name, hits))).expect("Yosys");
-        let found: Vec<&str> = found.iter().map(|(_, name)| name.as_str()).collect();
-        assert_eq!(found, ["b_o[1]", "b_o[2]"]);
+        let found: Vec<(&str, bool)> = found.iter().map(|((_, name), value)| (name.as_str(), *value)).collect();
+        assert_eq!(found, [("b_o[1]", false), ("b_o[2]", true)]);
+    }
+
+    #[test]
+    fn an_input_is_tied_if_all_instances_have_the_same_constant() {
+        let text = "module top;\n  part u_a (\n    .clk_i, .a_i (1'b1), .b_i (1'b1),\n    .c_i (1'b0)\n  );\n\n  \
+                    part u_b (\n    .clk_i, .a_i (1'b1), .b_i (free), .c_i (1'b1), .d_i (1'b0)\n  );\nendmodule\n";
+        assert_eq!(tied(text, "part"), [("a_i", "1'b1")]);
+        assert_eq!(tied(text, "other"), []);
+        let part = "module part (input logic a_i, output logic a_o);\n  assign a_o = ~a_i;\nendmodule\n";
+        let point =
+            CoveragePoint { kind: CoverageKind::Toggle, module: "part".into(), line: 1, name: "a_o".into(), hits: 0 };
+        let is_constant = |text: &str| !constants(text, std::slice::from_ref(&point)).expect("Yosys").is_empty();
+        assert!(is_constant(&(text.to_string() + part)));
+        assert!(!is_constant(part));
     }
 }

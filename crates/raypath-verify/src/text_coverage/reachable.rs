@@ -45,6 +45,14 @@ impl Text {
         })
     }
 
+    /// The signal whose value 1 keeps a point from being reached: that of the condition of an `if`, if the point is its
+    /// other side.
+    pub fn always<'t>(&'t self, point: &CoveragePoint) -> Option<&'t str> {
+        let line = self.modules.get(&point.module)?.get(point.line.checked_sub(1)?)?.trim();
+        let condition = line.trim_start_matches("end else ").strip_prefix("if (")?.strip_suffix(") begin")?;
+        (point.kind == CoverageKind::Branch && point.name == "else").then_some(condition)
+    }
+
     /// The width and the value of a label.
     fn value(&self, label: &str) -> Option<(u32, u64)> {
         let name = label.rsplit("::").next()?;
@@ -86,6 +94,21 @@ mod tests {
         assert!(!text.is_default_of_complete_case(&point(CoverageKind::Line, line - 1)));
         assert!(!text.is_default_of_complete_case(&point(CoverageKind::Branch, line)));
         text.is_default_of_complete_case(&point(CoverageKind::Line, line))
+    }
+
+    #[test]
+    fn the_other_side_of_an_if_has_its_condition() {
+        let text = "module m;\n    if (!rst_ni) begin\n    end else if (load) begin\n    end\n";
+        let text = Text::new(&[Source { name: "m".to_string(), text: text.to_string() }]);
+        let always = |kind, line, name: &str| {
+            let point = CoveragePoint { kind, module: "m".to_string(), line, name: name.to_string(), hits: 0 };
+            text.always(&point).map(str::to_string)
+        };
+        assert_eq!(always(CoverageKind::Branch, 3, "else").as_deref(), Some("load"));
+        assert_eq!(always(CoverageKind::Branch, 2, "else").as_deref(), Some("!rst_ni"));
+        assert_eq!(always(CoverageKind::Branch, 3, "if"), None);
+        assert_eq!(always(CoverageKind::Line, 3, "else"), None);
+        assert_eq!(always(CoverageKind::Branch, 4, "else"), None);
     }
 
     #[test]

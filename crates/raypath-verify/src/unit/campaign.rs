@@ -76,19 +76,26 @@ impl Subject {
     /// # Errors
     /// A unit cannot be built.
     pub fn all() -> Result<Vec<Self>, Error> {
-        let subject = |(contexts, stack, node, memory_width, divider_latency, control, features)| {
-            let step = StepParameters { stack, node, features };
-            let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width: 16 };
-            Ok(Self { unit: UnitNetlist::new(Config::DEFAULT.control(control), parameters)? })
-        };
-        SUBJECTS.into_iter().map(subject).collect()
+        let subject = |(config, parameters)| Ok(Self { unit: UnitNetlist::new(config, parameters)? });
+        settings().map(subject).collect()
     }
 }
 
+/// The configurations of the campaign's datapaths, and the parameters of the units around them.
+pub fn settings() -> impl Iterator<Item = (Config, UnitParameters)> {
+    SUBJECTS.into_iter().map(|(contexts, stack, node, memory_width, divider_latency, control, features)| {
+        let step = StepParameters { stack, node, features };
+        let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width: 16 };
+        (Config::DEFAULT.control(control), parameters)
+    })
+}
+
 /// What is random in an episode.
-struct Episode {
-    scene: BlockScene,
-    rays: Vec<RayRequest>,
+pub struct Episode {
+    /// The scene.
+    pub scene: BlockScene,
+    /// The rays, whose numbers are their places.
+    pub rays: Vec<RayRequest>,
     behaviour: Behaviour,
     /// The cycles of the longest stall.
     longest_stall: u64,
@@ -99,7 +106,8 @@ struct Episode {
 }
 
 impl Episode {
-    fn new(StepParameters { node, features, .. }: StepParameters, random: &mut ChaCha8Rng) -> Self {
+    /// The next episode for a unit with these parameters of a step.
+    pub fn new(StepParameters { node, features, .. }: StepParameters, random: &mut ChaCha8Rng) -> Self {
         let size = random.random_range(0..5);
         let is_odd = features.instances && random.random();
         let ((scene, root), count) = match [1, 8, 40, 300].get(size) {
@@ -121,6 +129,18 @@ impl Episode {
         let resets = [0, 0, 40, 400][random.random_range(0..4)];
         Self { scene, rays, behaviour: Behaviour { latency, stalls, errors }, longest_stall, is_odd, resets }
     }
+
+    /// The memory with the scene, and the users of the other channels.
+    pub fn environment(&self, parameters: UnitParameters, seed: u64) -> Environment<'_> {
+        Environment::new(&self.scene.0, parameters.memory_width, self.rays.clone(), self.behaviour, seed)
+            .with_longest_stall(self.longest_stall)
+            .of_nodes(parameters.step.node)
+    }
+
+    /// Whether a reset comes before the next cycle, after so many in this episode.
+    pub fn is_reset(&self, resets: u64, random: &mut ChaCha8Rng) -> bool {
+        random.random_range(0..65_536) < self.resets && resets < 8
+    }
 }
 
 /// Runs the episode of a seed and a number on a unit, in at most so many cycles, if given.
@@ -136,17 +156,17 @@ pub fn run(
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(number);
     let (mut cycle_exact, parameters) = (UnitModel::of(unit), unit.parameters);
-    let Episode { scene, rays, behaviour, longest_stall, is_odd, resets } = Episode::new(parameters.step, &mut random);
+    let episode = Episode::new(parameters.step, &mut random);
     netlist.restart_randomly(random.random());
-    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), behaviour, random.random())
-        .with_longest_stall(longest_stall)
-        .of_nodes(parameters.step.node);
+    let mut environment = episode.environment(parameters, random.random());
+    let Episode { scene, rays, behaviour, longest_stall, is_odd, .. } = &episode;
+    let (behaviour, longest_stall) = (*behaviour, *longest_stall);
     let mut counts = Counts { episodes: 1, ..Counts::default() };
     let mut model = Unit::new(Rules::Paper, parameters.step);
     let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
     let limit = most.unwrap_or_else(|| limit(&expected, behaviour, longest_stall));
     while !environment.is_done() {
-        if random.random_range(0..65_536) < resets && counts.resets < 8 {
+        if episode.is_reset(counts.resets, &mut random) {
             environment.reset(&mut [netlist, &mut cycle_exact]);
             counts.resets += 1;
         }
@@ -176,7 +196,7 @@ pub fn run(
         counts.rays += 1;
     }
     let (blocks, errors) = (environment.failed_blocks(), counts.errors);
-    if counts.resets == 0 && !is_odd && !(errors..=errors + always).contains(&blocks) {
+    if counts.resets == 0 && !*is_odd && !(errors..=errors + always).contains(&blocks) {
         return Err(format!("{blocks} blocks had errors, and {errors} rays ended in one"));
     }
     counts.lost = (rays.len() - environment.replies.len()) as u64;
@@ -185,7 +205,7 @@ pub fn run(
 }
 
 /// Cycles after which a unit in which nothing moves has lost a ray. Users of the channels stall for less.
-const IDLE: u64 = 4_000;
+pub const IDLE: u64 = 4_000;
 
 /// Cycles that suffice for all rays, one after the other, with the slowest users of the channels.
 fn limit(expected: &[Reply], behaviour: Behaviour, longest_stall: u64) -> u64 {

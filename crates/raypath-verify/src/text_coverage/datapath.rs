@@ -1,48 +1,68 @@
-//! The frames of a simulation of the text: the jobs and handshakes of campaigns.
+//! A datapath, with the jobs and handshakes of campaigns.
 
+use super::design::{Design, Run};
+use crate::Error;
 use crate::campaign::Episode;
 use crate::layout::Layout;
 use crate::subjects::Subject;
 use raypath_hdl::Module;
 use raypath_model::{OperationId, Shape, WordModel, Words};
-use raypath_sim::engine::{CycleEngine, Engine, PortEncoding, Shown, observe};
+use raypath_sim::engine::{CycleEngine, Engine, PortEncoding, Shown, observe, shape};
 use raypath_sim::frames::Expected;
 use raypath_sim::traffic::Traffic;
 use std::collections::HashMap;
-use std::ops::Range;
+use std::sync::Arc;
 
-/// The inputs of all cycles of a run, and what the outputs must be.
-pub struct Run {
-    pub frames: Vec<Vec<u64>>,
-    /// `None` in a reset, and for jobs whose opcode is not configured.
-    pub expected: Vec<Option<Expected>>,
+/// The episodes of a run.
+const EPISODES: u64 = 8;
+
+/// A datapath.
+pub struct DatapathDesign {
+    encoding: PortEncoding,
+    model: WordModel,
+    top: Arc<Module>,
+    shape: Shape,
 }
 
-impl Run {
+impl DatapathDesign {
+    pub fn new(subject: &Subject) -> Result<Self, Error> {
+        let datapath = subject.datapath().elaborate()?;
+        let (top, shape) = (datapath.top().clone(), shape(subject.config, &datapath));
+        Ok(Self { encoding: PortEncoding::of(subject.config), model: subject.datapath().model(), top, shape })
+    }
+}
+
+impl Design for DatapathDesign {
+    fn top(&self) -> &Arc<Module> {
+        &self.top
+    }
+
+    fn omissions(&self) -> Vec<String> {
+        let operations = self.model.kinds();
+        if operations.len() > 1 { operations.iter().map(|it| format!("jobs of {it}")).collect() } else { Vec::new() }
+    }
+
     /// Episodes of a campaign of this seed, one after another, without the jobs of one operation. Opcodes that are not
     /// configured, which campaigns never offer, replace those of the last episode once more.
-    pub fn new(
-        subject: &Subject,
-        top: &Module,
-        shape: &Shape,
-        seed: u64,
-        episodes: Range<u64>,
-        omitted: Option<OperationId>,
-    ) -> Self {
-        let model = subject.datapath().model();
-        let mut recorder = Recorder::new(&model, top, shape, PortEncoding::of(subject.config));
+    fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Result<Run, String> {
+        let (model, top) = (&self.model, &self.top);
+        let omitted = omitted.map(|place| model.kinds()[place]);
+        let mut recorder = Recorder::new(model, top, &self.shape, self.encoding);
         let mut last = 0;
-        for number in episodes {
-            last = recorder.run.frames.len();
-            let mut trace = Episode::new(&model, &Layout::of(&model), seed, number).trace();
+        for number in number * EPISODES..(number + 1) * EPISODES {
+            last = recorder.frames.len();
+            let mut trace = Episode::new(model, &Layout::of(model), seed, number).trace();
             trace.jobs.retain(|job| Some(job.kind()) != omitted);
             recorder.reset();
             observe(&mut recorder, trace.jobs.iter(), &mut Traffic::recorded(trace.cycles), |_| true);
         }
         if omitted.is_none() {
-            recorder.offer_other_opcodes(last, &model, top);
+            recorder.offer_other_opcodes(last, model, top);
         }
-        recorder.run
+        let Recorder { frames, expected, .. } = recorder;
+        let top = top.clone();
+        let fault = move |cycle: usize, words: &[u64]| expected.get(cycle)?.as_ref()?.fault(&top, words);
+        Ok(Run { frames, fault: Box::new(fault) })
     }
 }
 
@@ -54,15 +74,17 @@ struct Recorder {
     positions: HashMap<String, usize>,
     /// The frame of the next cycle.
     inputs: Vec<u64>,
-    run: Run,
+    frames: Vec<Vec<u64>>,
+    /// What the outputs must be: `None` in a reset, and for jobs whose opcode is not configured.
+    expected: Vec<Option<Expected>>,
 }
 
 impl Recorder {
     fn new(model: &WordModel, top: &Module, shape: &Shape, encoding: PortEncoding) -> Self {
         let positions: HashMap<String, usize> = top.inputs().iter().map(|port| port.name.clone()).zip(1..).collect();
         let inputs = vec![0; positions.len() + 1];
-        let run = Run { frames: Vec::new(), expected: Vec::new() };
-        Self { engine: CycleEngine::new(model.clone(), shape), encoding, positions, inputs, run }
+        let engine = CycleEngine::new(model.clone(), shape);
+        Self { engine, encoding, positions, inputs, frames: Vec::new(), expected: Vec::new() }
     }
 
     fn set(&mut self, port: &str, word: u64) {
@@ -72,8 +94,8 @@ impl Recorder {
     }
 
     fn push(&mut self, expected: Option<Expected>) {
-        self.run.frames.push(self.inputs.clone());
-        self.run.expected.push(expected);
+        self.frames.push(self.inputs.clone());
+        self.expected.push(expected);
     }
 
     /// Repeats the cycles from this one on with other opcodes.
@@ -84,13 +106,13 @@ impl Recorder {
         if others.is_empty() {
             return;
         }
-        let last = self.run.frames.len();
+        let last = self.frames.len();
         let position = self.positions["opcode_i"];
         for cycle in first..last {
-            let mut frame = self.run.frames[cycle].clone();
+            let mut frame = self.frames[cycle].clone();
             frame[position] = others[cycle % others.len()];
-            self.run.frames.push(frame);
-            self.run.expected.push(None);
+            self.frames.push(frame);
+            self.expected.push(None);
         }
     }
 }

@@ -1,6 +1,10 @@
-//! The datapaths whose text is covered.
+//! The designs whose text is covered.
 
+use super::datapath::DatapathDesign;
+use super::design::Design;
+use super::unit::UnitDesign;
 use crate::subjects::Subject;
+use crate::unit::campaign::settings;
 use crate::{Error, Level};
 use raypath_float::Format;
 use raypath_ops::operations::NAMES;
@@ -9,10 +13,49 @@ use raypath_rtl::{
     Accumulators, Config, Control, Encoding, Features, Interval, Lanes, Multiplier, PRESETS, Sharing, UnitLatency,
     UnitSharing,
 };
+use raypath_unit::UnitParameters;
+use std::fmt;
 
-/// The datapaths of a level: a small one with features; from level full on also the presets, and small ones with each
-/// value of each parameter of the microarchitecture, each feature, rule set, rounding and added operation.
-pub fn subjects(level: Level) -> Result<Vec<Subject>, Error> {
+/// A design that can be covered.
+pub enum Choice {
+    /// A datapath.
+    Datapath(Subject),
+    /// The traversal unit with these parameters, around a datapath of this configuration.
+    Unit(Config, UnitParameters),
+}
+
+impl Choice {
+    /// Builds the design.
+    ///
+    /// # Errors
+    /// The design cannot be built.
+    pub fn open(&self) -> Result<Box<dyn Design>, Error> {
+        Ok(match self {
+            Self::Datapath(subject) => Box::new(DatapathDesign::new(subject)?),
+            Self::Unit(config, parameters) => Box::new(UnitDesign::new(*config, *parameters)?),
+        })
+    }
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Datapath(subject) => subject.fmt(f),
+            Self::Unit(_, parameters) => write!(f, "traversal unit, {parameters}"),
+        }
+    }
+}
+
+/// The designs of a level: a small datapath with features; from level full on also the presets, small ones with each
+/// value of each parameter of the microarchitecture, each feature, rule set, rounding and added operation, and the
+/// traversal units of their campaign.
+pub fn choices(level: Level) -> Result<Vec<Choice>, Error> {
+    let datapaths = datapaths(level)?.into_iter().map(Choice::Datapath);
+    let units = settings().take(level.pick(0, usize::MAX, usize::MAX));
+    Ok(datapaths.chain(units.map(|(config, parameters)| Choice::Unit(config, parameters))).collect())
+}
+
+fn datapaths(level: Level) -> Result<Vec<Subject>, Error> {
     let small = Config::DEFAULT.lanes(Lanes::Two).format(Format::new(4, 5)?);
     let features =
         Features { tag: 3, barycentrics: true, facing: true, culling: Culling::None, range: true, ..Features::OFF };
@@ -62,11 +105,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_subject_can_be_built() {
-        let subjects = subjects(Level::Full).expect("subjects");
-        assert!(subjects.len() > 45, "{}", subjects.len());
-        for subject in subjects {
-            subject.datapath().elaborate().unwrap_or_else(|problem| panic!("{subject}: {problem}"));
+    fn every_design_can_be_built() {
+        let choices = choices(Level::Full).expect("choices");
+        assert!(choices.len() > 53, "{}", choices.len());
+        for choice in choices {
+            choice.open().map(|_| ()).unwrap_or_else(|problem| panic!("{choice}: {problem}"));
         }
     }
 }

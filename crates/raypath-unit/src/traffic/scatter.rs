@@ -1,0 +1,113 @@
+//! Scenes whose blocks lie anywhere in memory, so that all bits of addresses and indices change.
+
+use super::scene::BlockScene;
+use crate::blocks::{Child, NodeKind};
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use std::collections::BTreeSet;
+
+/// Words of a block, in bytes.
+type Words<'s> = &'s mut [[u8; 4]];
+
+impl BlockScene {
+    /// The bits of an address that tell the blocks of this scene apart. A memory may ignore the bits above them
+    /// ([`Environment::ignoring_upper_bits`](super::Environment::ignoring_upper_bits)).
+    pub fn address_mask(&self) -> u32 {
+        self.address().next_power_of_two() - 1
+    }
+
+    /// Gives random values to the bits above [`address_mask`](Self::address_mask) in each child word that can be
+    /// reached from `root`, and to the indices of triangles and instances there. In one scene of four, one child word
+    /// in 64 is not valid any more. Returns the new word of the root.
+    pub fn scatter(&mut self, root: u32, random: &mut ChaCha8Rng) -> u32 {
+        let (upper, nodes) = (!self.address_mask(), self.1);
+        let has_invalid = random.random_range(0..4) == 0;
+        let (mut pending, mut seen) = (vec![root], BTreeSet::new());
+        while let Some(word) = pending.pop() {
+            let Ok(child) = Child::of(word & !upper, nodes) else { continue };
+            for block in blocks(child, nodes).filter(|&block| seen.insert(block)) {
+                let Some((children, indices)) = self.words_mut(child, block) else { continue };
+                indices.iter_mut().for_each(|index| *index = random.random());
+                for child in children {
+                    pending.push(u32::from_le_bytes(*child));
+                    let new = scattered(u32::from_le_bytes(*child), upper, random);
+                    let is_invalid = has_invalid && random.random_range(0..64) == 0;
+                    let new = if is_invalid { invalid_child(new, nodes, random) } else { new };
+                    *child = new.to_le_bytes();
+                }
+            }
+        }
+        scattered(root, upper, random)
+    }
+
+    /// The child words and the indices of a block at an address, if the scene has it.
+    fn words_mut(&mut self, child: Child, address: usize) -> Option<(Words<'_>, Words<'_>)> {
+        let Self(bytes, nodes) = self;
+        // The first word, and the numbers of child words and of indices after them.
+        let (first, children, indices) = match child {
+            Child::None => (0, 0, 0),
+            Child::Node { .. } => (nodes.child_word(), 4, 0),
+            Child::Instance { .. } => (NodeKind::Wide4.child_word(), 1, 1),
+            Child::Leaf { .. } => (nodes.index_word(), 0, nodes.triangles_per_block() as usize),
+        };
+        let block = bytes.get_mut(address..)?.get_mut(..nodes.block_bytes() as usize)?;
+        Some(block.as_chunks_mut().0[first..first + children + indices].split_at_mut(children))
+    }
+}
+
+/// The addresses of the blocks that a child word refers to.
+fn blocks(child: Child, nodes: NodeKind) -> impl Iterator<Item = usize> {
+    let (address, count) = match child {
+        Child::None => (0, 0),
+        Child::Node { address } | Child::Instance { address } => (address, 1),
+        Child::Leaf { address, count } => (address, nodes.leaf_blocks(count)),
+    };
+    (0..count).map(move |block| (address + block * nodes.block_bytes()) as usize)
+}
+
+/// A child word with random bits where `upper` has ones; a missing child stays one.
+fn scattered(child: u32, upper: u32, random: &mut ChaCha8Rng) -> u32 {
+    if child == 0 { 0 } else { child & !upper | random.random::<u32>() & upper }
+}
+
+/// A child word with an address and a random kind that is not valid: no valid kind has bit 4.
+pub fn invalid_child(child: u32, nodes: NodeKind, random: &mut ChaCha8Rng) -> u32 {
+    child | 16 | random.random_range(0..nodes.block_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    #[test]
+    fn scattered_blocks_are_at_their_places_in_a_memory_that_ignores_upper_bits() {
+        let (mut unchanged, mut invalid) = (0, 0);
+        for seed in 0..20 {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let nodes = NodeKind::ALL[seed as usize % 2];
+            let (original, root) = BlockScene::random_of(nodes, 300, &mut random);
+            let mut scene = original.clone();
+            let mask = scene.address_mask();
+            let scattered = scene.scatter(root, &mut random);
+            assert!(scattered & mask == root && scattered != root);
+            let mut pending = vec![root];
+            while let Some(word) = pending.pop() {
+                let Ok(child @ Child::Node { address }) = Child::of(word, nodes) else { continue };
+                let expected = original.clone().words_mut(child, address as usize).expect("a block").0.to_vec();
+                let found = scene.words_mut(child, address as usize).expect("a block").0.to_vec();
+                for (old, new) in expected.into_iter().zip(found) {
+                    let (old, new) = (u32::from_le_bytes(old), u32::from_le_bytes(new));
+                    pending.push(old);
+                    if Child::of(new, nodes).is_ok() {
+                        assert_eq!(new & mask, old);
+                        unchanged += 1;
+                    } else {
+                        invalid += 1;
+                    }
+                }
+            }
+        }
+        assert!(unchanged > 1_000 && invalid > 5, "{unchanged} words, {invalid} are not valid");
+    }
+}
