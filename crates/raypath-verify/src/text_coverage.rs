@@ -25,6 +25,7 @@ use tempfile::TempDir;
 
 /// The share of reachable points that must be hit, in percent.
 const BAR: f64 = 99.0;
+
 /// Counts the coverage of the level's designs, or of the datapath that the user chose; and of runs that leave
 /// something out, which must be below the bar.
 ///
@@ -127,8 +128,7 @@ impl Found {
                 failures.push(format!("{} coverage is {counts}, expected {BAR} %", kind.name()));
             }
         }
-        let mut omissions = design.omissions();
-        omissions.truncate(if has_controls { usize::MAX } else { 0 });
+        let omissions = if has_controls { design.omissions() } else { Vec::new() };
         let omitted: Vec<usize> = (0..omissions.len()).collect();
         let controls = pool::map(&omitted, pool::ALL_CORES, &mut |_| true, |&omitted, _| {
             let mut failures = Vec::new();

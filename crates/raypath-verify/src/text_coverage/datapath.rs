@@ -1,6 +1,6 @@
 //! A datapath, with the jobs and handshakes of campaigns.
 
-use super::design::{Design, Run};
+use super::design::{Design, Run, episodes_of};
 use crate::Error;
 use crate::campaign::Episode;
 use crate::layout::Layout;
@@ -12,9 +12,6 @@ use raypath_sim::frames::Expected;
 use raypath_sim::traffic::Traffic;
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// The episodes of a run.
-const EPISODES: u64 = 8;
 
 /// A datapath.
 pub struct DatapathDesign {
@@ -49,7 +46,7 @@ impl Design for DatapathDesign {
         let omitted = omitted.map(|place| model.kinds()[place]);
         let mut recorder = Recorder::new(model, top, &self.shape, self.encoding);
         let mut last = 0;
-        for number in number * EPISODES..(number + 1) * EPISODES {
+        for number in episodes_of(number) {
             last = recorder.frames.len();
             let mut trace = Episode::new(model, &Layout::of(model), seed, number).trace();
             trace.jobs.retain(|job| Some(job.kind()) != omitted);

@@ -4,6 +4,7 @@ use crate::Error;
 use raypath_hdl::Module;
 use raypath_tools::CoveragePoint;
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A design, and stimuli for it.
@@ -33,6 +34,13 @@ pub trait Design: Sync {
     /// What the design's model did wrong.
     fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Result<Run, String>;
 }
+
+/// The numbers of the episodes of a run.
+pub fn episodes_of(run: u64) -> Range<u64> {
+    run * EPISODES..(run + 1) * EPISODES
+}
+
+const EPISODES: u64 = 8;
 
 /// The inputs of all cycles of a run, and what the outputs must be.
 pub struct Run {

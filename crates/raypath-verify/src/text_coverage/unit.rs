@@ -1,20 +1,18 @@
 //! A traversal unit, with the scenes, rays, memories and users of the channels of its campaign.
 
-use super::design::{Design, Run};
+use super::design::{Design, Run, episodes_of};
 use crate::Error;
-use crate::unit::campaign::{Episode, IDLE};
+use crate::unit::campaign::{Episode, episode_random};
+use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-use rand::{RngExt, SeedableRng};
 use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
 use raypath_tools::CoveragePoint;
 use raypath_unit::traffic::{BlockScene, Recorder, invalid_child};
-use raypath_unit::{UnitModel, UnitNetlist, UnitParameters, outputs_of};
+use raypath_unit::{LEVELS, UnitModel, UnitNetlist, UnitParameters, outputs_of};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// The episodes of a run.
-const EPISODES: u64 = 8;
 /// The bits of a ray's number. The rays of an episode need them all.
 const ID_WIDTH: u32 = 7;
 
@@ -57,13 +55,13 @@ impl Design for UnitDesign {
         vec!["nodes".to_string()]
     }
 
-    /// Episodes one after another, with blocks anywhere in memory.
+    /// Episodes one after another, the first with the longest path, and with blocks anywhere in memory.
     fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Result<Run, String> {
         let mut recorder = Recorder::new(UnitModel::of(&self.0), &self.0.top);
-        for number in number * EPISODES..(number + 1) * EPISODES {
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            random.set_stream(number);
-            self.record(&mut recorder, omitted.is_none(), &mut random)?;
+        let mut shape = Some(Shape::Path);
+        for number in episodes_of(number) {
+            let shape = if omitted.is_none() { shape.take() } else { Some(Shape::Leaf) };
+            self.record(&mut recorder, shape, &mut episode_random(seed, number))?;
         }
         let (frames, outputs): (Vec<_>, Vec<_>) =
             recorder.cycles.into_iter().map(|cycle| (cycle.frame, cycle.outputs)).unzip();
@@ -77,19 +75,36 @@ impl Design for UnitDesign {
     }
 }
 
+/// The shape of a scene.
+#[derive(Debug, Clone, Copy)]
+enum Shape {
+    /// A leaf without nodes.
+    Leaf,
+    /// A path through all levels, with leaves at each.
+    Path,
+}
+
+/// The rays of an episode with a path: each visits thousands of nodes.
+const PATH_RAYS: usize = 8;
+
 impl UnitDesign {
-    /// Runs an episode, whose scene is a single leaf if it has no nodes.
+    /// Runs an episode, whose scene has this shape, if given.
     fn record(
         &self,
         recorder: &mut Recorder<UnitModel>,
-        has_nodes: bool,
+        shape: Option<Shape>,
         random: &mut ChaCha8Rng,
     ) -> Result<(), String> {
         let UnitNetlist { parameters, .. } = self.0;
         let mut episode = Episode::new(parameters.step, random);
         let mut root = episode.rays.first().map_or(0, |ray| ray.root);
-        if !has_nodes {
-            (episode.scene, root) = BlockScene::random_of(parameters.step.node, 1, random);
+        match shape {
+            None => {}
+            Some(Shape::Leaf) => (episode.scene, root) = BlockScene::random_of(parameters.step.node, 1, random),
+            Some(Shape::Path) => {
+                (episode.scene, root) = BlockScene::deep_of(parameters.step.node, LEVELS, random);
+                episode.rays.truncate(PATH_RAYS);
+            }
         }
         root = episode.scene.scatter(root, random);
         for ray in &mut episode.rays {
@@ -103,18 +118,8 @@ impl UnitDesign {
         }
         let mut environment =
             episode.environment(parameters, random.random()).ignoring_upper_bits(episode.scene.address_mask());
-        let mut resets = 0;
         environment.reset(&mut [recorder]);
-        while !environment.is_done() {
-            if episode.is_reset(resets, random) {
-                environment.reset(&mut [recorder]);
-                resets += 1;
-            }
-            environment.cycle(&mut [recorder]).map_err(|problem| problem.to_string())?;
-            if environment.idle() > IDLE {
-                return Err(format!("{} of {} rays ended", environment.replies.len(), episode.rays.len()));
-            }
-        }
+        episode.drive(&mut environment, &mut [recorder], u64::MAX, random)?;
         Ok(())
     }
 }

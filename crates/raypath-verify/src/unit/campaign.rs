@@ -10,7 +10,8 @@ use raypath_unit::blocks::NodeKind;
 use raypath_unit::state::status;
 use raypath_unit::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
 use raypath_unit::{
-    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitFeatures, UnitModel, UnitNetlist, UnitParameters,
+    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitModel, UnitNetlist,
+    UnitParameters,
 };
 use serde::{Deserialize, Serialize};
 
@@ -66,7 +67,7 @@ const SUBJECTS: [(u32, u32, NodeKind, u32, u32, Control, UnitFeatures); 8] = [
     (64, 16, NodeKind::Wide4, 1024, 5, Control::Skid, UnitFeatures::OFF),
     (32, 32, NodeKind::Wide4, 512, 27, Control::Skid, WEIGHTS),
     (9, 2, NodeKind::Wide4, 128, 9, Control::Credit, UnitFeatures::OFF),
-    (10, 2, NodeKind::Quantised, 128, 2, Control::Skid, WEIGHTS),
+    (40, 2, NodeKind::Quantised, 512, 2, Control::Skid, WEIGHTS),
     (12, 2, NodeKind::Wide4, 512, 3, Control::Skid, UnitFeatures { barycentrics: true, instances: true }),
 ];
 
@@ -137,9 +138,31 @@ impl Episode {
             .of_nodes(parameters.step.node)
     }
 
-    /// Whether a reset comes before the next cycle, after so many in this episode.
-    pub fn is_reset(&self, resets: u64, random: &mut ChaCha8Rng) -> bool {
-        random.random_range(0..65_536) < self.resets && resets < 8
+    /// Drives engines in lockstep until all rays have ended or were lost in a reset, in at most so many cycles. Returns
+    /// the number of resets.
+    ///
+    /// # Errors
+    /// What the engines did wrong.
+    pub fn drive(
+        &self,
+        environment: &mut Environment<'_>,
+        engines: &mut [&mut dyn UnitEngine],
+        limit: u64,
+        random: &mut ChaCha8Rng,
+    ) -> Result<u64, String> {
+        let mut resets = 0;
+        while !environment.is_done() {
+            if random.random_range(0..65_536) < self.resets && resets < MOST_RESETS {
+                environment.reset(engines);
+                resets += 1;
+            }
+            environment.cycle(engines).map_err(|problem| problem.to_string())?;
+            if environment.idle() > IDLE || environment.cycles() > limit {
+                let (ended, cycles) = (environment.replies.len(), environment.cycles());
+                return Err(format!("{ended} of {} rays ended within {cycles} cycles", self.rays.len()));
+            }
+        }
+        Ok(resets)
     }
 }
 
@@ -153,8 +176,7 @@ pub fn run(
     [seed, number]: [u64; 2],
     most: Option<u64>,
 ) -> Result<Counts, String> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(number);
+    let mut random = episode_random(seed, number);
     let (mut cycle_exact, parameters) = (UnitModel::of(unit), unit.parameters);
     let episode = Episode::new(parameters.step, &mut random);
     netlist.restart_randomly(random.random());
@@ -165,17 +187,7 @@ pub fn run(
     let mut model = Unit::new(Rules::Paper, parameters.step);
     let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
     let limit = most.unwrap_or_else(|| limit(&expected, behaviour, longest_stall));
-    while !environment.is_done() {
-        if episode.is_reset(counts.resets, &mut random) {
-            environment.reset(&mut [netlist, &mut cycle_exact]);
-            counts.resets += 1;
-        }
-        environment.cycle(&mut [netlist, &mut cycle_exact]).map_err(|problem| problem.to_string())?;
-        if environment.idle() > IDLE || environment.cycles() > limit {
-            let (ended, cycles) = (environment.replies.len(), environment.cycles());
-            return Err(format!("{ended} of {} rays ended within {cycles} cycles", rays.len()));
-        }
-    }
+    counts.resets = episode.drive(&mut environment, &mut [netlist, &mut cycle_exact], limit, &mut random)?;
     // Rays that end in an error in any memory: a block with an error may have ended them instead.
     let mut always = 0;
     for (&id, reply) in &environment.replies {
@@ -204,8 +216,18 @@ pub fn run(
     Ok(counts)
 }
 
+/// The generator of the episode with this number in the campaign of this seed.
+pub fn episode_random(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(number);
+    random
+}
+
+/// The most resets in an episode.
+const MOST_RESETS: u64 = 8;
+
 /// Cycles after which a unit in which nothing moves has lost a ray. Users of the channels stall for less.
-pub const IDLE: u64 = 4_000;
+const IDLE: u64 = 4_000;
 
 /// Cycles that suffice for all rays, one after the other, with the slowest users of the channels.
 fn limit(expected: &[Reply], behaviour: Behaviour, longest_stall: u64) -> u64 {
