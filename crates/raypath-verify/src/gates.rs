@@ -96,10 +96,10 @@ pub fn gates(request: &mut Request<'_>) -> Result<Verdict, Error> {
 fn configs() -> [Config; 4] {
     let graphics = Config::DEFAULT.lanes(Lanes::None);
     [
+        graphics.format(Format::BINARY16),
         graphics,
         graphics.unit_latency(UnitLatency::Two),
         graphics.unit_latency(UnitLatency::Three),
-        graphics.format(Format::BINARY16),
     ]
 }
 

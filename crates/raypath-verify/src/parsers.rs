@@ -25,7 +25,7 @@ const FAILURES_SHOWN: usize = 10;
 /// # Errors
 /// The corpus is missing, because the repository is not where `raypath` was built.
 pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let mutations = request.jobs.unwrap_or(request.level.pick(2_000, 100_000, 1_000_000));
+    let mutations = request.jobs.unwrap_or(request.level.pick(1_000, 100_000, 1_000_000));
     let corpora = TARGETS.iter().map(corpus).collect::<Result<Vec<_>, _>>()?;
     let total = corpora.iter().map(|files| files.len() as u64 * (mutations + 1)).sum();
     let mut is_stopped = false;

@@ -13,6 +13,9 @@ use raypath_sim::traffic::Traffic;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+/// The episodes of a run.
+const EPISODES: u64 = 8;
+
 /// A datapath.
 pub struct DatapathDesign {
     encoding: PortEncoding,
@@ -46,7 +49,7 @@ impl Design for DatapathDesign {
         let omitted = omitted.map(|place| model.kinds()[place]);
         let mut recorder = Recorder::new(model, top, &self.shape, self.encoding);
         let mut last = 0;
-        for number in episodes_of(number) {
+        for number in episodes_of(number, EPISODES) {
             last = recorder.frames.len();
             let mut trace = Episode::new(model, &Layout::of(model), seed, number).trace();
             trace.jobs.retain(|job| Some(job.kind()) != omitted);

@@ -35,12 +35,10 @@ pub trait Design: Sync {
     fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Result<Run, String>;
 }
 
-/// The numbers of the episodes of a run.
-pub fn episodes_of(run: u64) -> Range<u64> {
-    run * EPISODES..(run + 1) * EPISODES
+/// The numbers of the episodes of a run that has so many.
+pub fn episodes_of(run: u64, episodes: u64) -> Range<u64> {
+    run * episodes..(run + 1) * episodes
 }
-
-const EPISODES: u64 = 8;
 
 /// The inputs of all cycles of a run, and what the outputs must be.
 pub struct Run {

@@ -2,7 +2,7 @@
 
 use super::design::{Design, Run, episodes_of};
 use crate::Error;
-use crate::unit::campaign::{Episode, episode_random};
+use crate::unit::campaign::{DEEP_RAYS, Episode, episode_random};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Module, verilog};
@@ -13,6 +13,8 @@ use raypath_unit::{LEVELS, UnitModel, UnitNetlist, UnitParameters, outputs_of};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+/// The episodes of a run.
+const EPISODES: u64 = 16;
 /// The bits of a ray's number. The rays of an episode need them all.
 const ID_WIDTH: u32 = 7;
 
@@ -59,7 +61,7 @@ impl Design for UnitDesign {
     fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Result<Run, String> {
         let mut recorder = Recorder::new(UnitModel::of(&self.0), &self.0.top);
         let mut shape = Some(Shape::Path);
-        for number in episodes_of(number) {
+        for number in episodes_of(number, EPISODES) {
             let shape = if omitted.is_none() { shape.take() } else { Some(Shape::Leaf) };
             self.record(&mut recorder, shape, &mut episode_random(seed, number))?;
         }
@@ -84,9 +86,6 @@ enum Shape {
     Path,
 }
 
-/// The rays of an episode with a path: each visits thousands of nodes.
-const PATH_RAYS: usize = 8;
-
 impl UnitDesign {
     /// Runs an episode, whose scene has this shape, if given.
     fn record(
@@ -103,8 +102,12 @@ impl UnitDesign {
             Some(Shape::Leaf) => (episode.scene, root) = BlockScene::random_of(parameters.step.node, 1, random),
             Some(Shape::Path) => {
                 (episode.scene, root) = BlockScene::deep_of(parameters.step.node, LEVELS, random);
-                episode.rays.truncate(PATH_RAYS);
+                episode.rays.truncate(DEEP_RAYS);
             }
+        }
+        if episode.rays.len() == DEEP_RAYS {
+            // A ray visits thousands of nodes one after another.
+            episode.behaviour.latency = (1, 4);
         }
         root = episode.scene.scatter(root, random);
         for ray in &mut episode.rays {
@@ -119,7 +122,6 @@ impl UnitDesign {
         let mut environment =
             episode.environment(parameters, random.random()).ignoring_upper_bits(episode.scene.address_mask());
         environment.reset(&mut [recorder]);
-        episode.drive(&mut environment, &mut [recorder], u64::MAX, random)?;
-        Ok(())
+        episode.drive(&mut environment, &mut [recorder], u64::MAX, random).map(|_| ())
     }
 }

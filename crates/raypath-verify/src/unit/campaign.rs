@@ -53,7 +53,7 @@ impl Counts {
 /// The rays of an episode.
 const RAYS: usize = 96;
 /// The rays of an episode whose rays visit thousands of nodes.
-const DEEP_RAYS: usize = 8;
+pub const DEEP_RAYS: usize = 8;
 
 /// Barycentric coordinates alone.
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, instances: false };
@@ -97,7 +97,8 @@ pub struct Episode {
     pub scene: BlockScene,
     /// The rays, whose numbers are their places.
     pub rays: Vec<RayRequest>,
-    behaviour: Behaviour,
+    /// The memory, and the users of the other channels.
+    pub behaviour: Behaviour,
     /// The cycles of the longest stall.
     longest_stall: u64,
     /// Rays may end in an error of the scene.
