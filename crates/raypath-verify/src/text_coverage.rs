@@ -40,7 +40,7 @@ pub(crate) fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
         pool::map(&own, pool::ALL_CORES, request.proceed, |(number, choice), _| {
             // Whatever is left out costs runs.
             let has_controls = *number == 0 || Some(*number) == first_unit || level > Level::Full;
-            Ok::<_, Error>(Some(Found::of(choice, level.pick(1, 4, 64), seed, has_controls)?))
+            Ok::<_, Error>(Some(Found::of(choice, level.pick(1, 2, 16), seed, has_controls)?))
         })
     })?;
     let mut verdict = Verdict::default();
