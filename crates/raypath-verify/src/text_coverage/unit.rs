@@ -2,21 +2,18 @@
 
 use super::design::{Design, Run, episodes_of};
 use crate::Error;
-use crate::unit::campaign::{DEEP_RAYS, Episode, episode_random};
+use crate::unit::campaign::Episode;
 use rand::RngExt;
-use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
 use raypath_tools::CoveragePoint;
 use raypath_unit::traffic::{BlockScene, Recorder, invalid_child};
-use raypath_unit::{LEVELS, UnitModel, UnitNetlist, UnitParameters, outputs_of};
+use raypath_unit::{UnitModel, UnitNetlist, UnitParameters, outputs_of};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// The episodes of a run.
 const EPISODES: u64 = 24;
-/// Those of them, from the first on, whose rays follow the longest path.
-const PATHS: usize = 2;
 /// The bits of a ray's number. The rays of an episode need them all.
 const ID_WIDTH: u32 = 7;
 
@@ -59,15 +56,11 @@ impl Design for UnitDesign {
         vec!["nodes".to_string()]
     }
 
-    /// Episodes one after another, the first with the longest paths, and with blocks anywhere in memory.
+    /// Episodes one after another, with blocks anywhere in memory.
     fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Result<Run, String> {
         let mut recorder = Recorder::new(UnitModel::of(&self.0), &self.0.top);
-        for (place, episode) in episodes_of(number, EPISODES).enumerate() {
-            let shape = match omitted {
-                None => (place < PATHS).then_some(Shape::Path),
-                Some(_) => Some(Shape::Leaf),
-            };
-            self.record(&mut recorder, shape, &mut episode_random(seed, episode))?;
+        for number in episodes_of(number, EPISODES) {
+            self.record(&mut recorder, omitted.is_none(), [seed, number])?;
         }
         let (frames, outputs): (Vec<_>, Vec<_>) =
             recorder.cycles.into_iter().map(|cycle| (cycle.frame, cycle.outputs)).unzip();
@@ -81,42 +74,25 @@ impl Design for UnitDesign {
     }
 }
 
-/// The shape of a scene.
-#[derive(Debug, Clone, Copy)]
-enum Shape {
-    /// A leaf without nodes.
-    Leaf,
-    /// A path through all levels, with leaves at each.
-    Path,
-}
-
 impl UnitDesign {
-    /// Runs an episode, whose scene has this shape, if given.
+    /// Runs the episode of a seed and a number, whose scene is a single leaf if it has no nodes.
     fn record(
         &self,
         recorder: &mut Recorder<UnitModel>,
-        shape: Option<Shape>,
-        random: &mut ChaCha8Rng,
+        has_nodes: bool,
+        [seed, number]: [u64; 2],
     ) -> Result<(), String> {
         let UnitNetlist { parameters, .. } = self.0;
-        let mut episode = Episode::new(parameters.step, random);
+        let (mut episode, mut random) = Episode::of(parameters.step, seed, number);
         let mut root = episode.rays.first().map_or(0, |ray| ray.root);
-        match shape {
-            None => {}
-            Some(Shape::Leaf) => (episode.scene, root) = BlockScene::random_of(parameters.step.node, 1, random),
-            Some(Shape::Path) => {
-                (episode.scene, root) = BlockScene::deep_of(parameters.step.node, LEVELS, random);
-                episode.rays.truncate(DEEP_RAYS);
-            }
+        if !has_nodes {
+            (episode.scene, root) = BlockScene::random_of(parameters.step.node, 1, &mut random);
         }
-        if episode.rays.len() == DEEP_RAYS {
-            episode = episode.undisturbed();
-        }
-        root = episode.scene.scatter(root, random);
+        root = episode.scene.scatter(root, &mut random);
         for ray in &mut episode.rays {
             // Some roots are not valid, and some rays reach backwards.
             let is_odd = random.random_range(0..16) == 0;
-            ray.root = if is_odd { invalid_child(root, parameters.step.node, random) } else { root };
+            ray.root = if is_odd { invalid_child(root, parameters.step.node, &mut random) } else { root };
             if random.random_range(0..4) == 0 {
                 // A product has all bits of a significand.
                 ray.t_min = random.random_range(-3.0..1.0) * random.random_range(0.5..1.0);
@@ -125,6 +101,6 @@ impl UnitDesign {
         let mut environment =
             episode.environment(parameters, random.random()).ignoring_upper_bits(episode.scene.address_mask());
         environment.reset(&mut [recorder]);
-        episode.drive(&mut environment, &mut [recorder], u64::MAX, random).map(|_| ())
+        episode.drive(&mut environment, &mut [recorder], u64::MAX, &mut random).map(|_| ())
     }
 }

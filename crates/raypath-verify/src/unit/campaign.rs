@@ -10,7 +10,7 @@ use raypath_unit::blocks::NodeKind;
 use raypath_unit::state::status;
 use raypath_unit::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
 use raypath_unit::{
-    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitModel, UnitNetlist,
+    LEVELS, NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitModel, UnitNetlist,
     UnitParameters,
 };
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ impl Counts {
 /// The rays of an episode.
 const RAYS: usize = 96;
 /// The rays of an episode whose rays visit thousands of nodes.
-pub const DEEP_RAYS: usize = 8;
+const DEEP_RAYS: usize = 8;
 
 /// Barycentric coordinates alone.
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, instances: false };
@@ -107,34 +107,42 @@ pub struct Episode {
 }
 
 impl Episode {
-    /// The next episode for a unit with these parameters of a step.
-    pub fn new(StepParameters { node, features, .. }: StepParameters, random: &mut ChaCha8Rng) -> Self {
-        let size = random.random_range(0..5);
-        let is_odd = features.instances && random.random();
+    /// The episode with this number in the campaign of this seed, for a unit with these parameters of a step, and the
+    /// generator of what else is random in it.
+    ///
+    /// One in nine, so that each of eight units in turn has its share, has a scene as deep as a unit can walk, and no
+    /// reset and no error that ends a ray before.
+    pub fn of(StepParameters { node, features, .. }: StepParameters, seed: u64, number: u64) -> (Self, ChaCha8Rng) {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(number);
+        let random = &mut generator;
+        let is_deepest = number % 9 == 8;
+        let has_instances = features.instances && !is_deepest && random.random_range(0..4) > 0;
+        let size = if is_deepest { 4 } else { random.random_range(0..5) };
+        let is_odd = has_instances && random.random();
         let ((scene, root), count) = match [1, 8, 40, 300].get(size) {
-            _ if features.instances => {
+            _ if has_instances => {
                 let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(1 + 4 * size as u32, is_odd, random);
                 ((blocks, root), RAYS)
             }
             Some(&triangles) => (BlockScene::random_of(node, triangles, random), RAYS),
+            None if is_deepest => (BlockScene::deep_of(node, LEVELS, random), DEEP_RAYS),
             // The last of these is too deep.
             None => (BlockScene::deep_of(node, random.random_range(30..66), random), DEEP_RAYS),
         };
         let rays = (0..count).map(|_| random_ray(root, random)).collect();
-        let least = [1, 1, 5, 40][random.random_range(0..4)];
-        let latency = (least, least + [0, 3, 60, 460][random.random_range(0..4)]);
+        // A slow memory would take most of the cycles of deep scenes.
+        let slowest = if count == DEEP_RAYS { 2 } else { 4 };
+        let least = [1, 1, 5, 40][random.random_range(0..slowest)];
+        let latency = (least, least + [0, 3, 60, 460][random.random_range(0..slowest)]);
         let longest_stall = [1, 1, 1, 200][random.random_range(0..4)];
         let shares = if longest_stall == 1 { [0, 0, 26, 128, 240] } else { [0, 1, 2, 4, 8] };
         let stalls = std::array::from_fn(|_| shares[random.random_range(0..5)]);
         let errors = if is_odd { 0 } else { [0, 0, 200, 4000][random.random_range(0..4)] };
         let resets = [0, 0, 40, 400][random.random_range(0..4)];
-        Self { scene, rays, behaviour: Behaviour { latency, stalls, errors }, longest_stall, is_odd, resets }
-    }
-
-    /// The same without resets and errors of the memory, which answers within 4 cycles: for rays that visit thousands of
-    /// nodes one after another.
-    pub fn undisturbed(self) -> Self {
-        Self { behaviour: Behaviour { latency: (1, 4), errors: 0, ..self.behaviour }, resets: 0, ..self }
+        let (errors, resets) = if is_deepest { (0, 0) } else { (errors, resets) };
+        let behaviour = Behaviour { latency, stalls, errors };
+        (Self { scene, rays, behaviour, longest_stall, is_odd, resets }, generator)
     }
 
     /// The memory with the scene, and the users of the other channels.
@@ -182,9 +190,8 @@ pub fn run(
     [seed, number]: [u64; 2],
     most: Option<u64>,
 ) -> Result<Counts, String> {
-    let mut random = episode_random(seed, number);
     let (mut cycle_exact, parameters) = (UnitModel::of(unit), unit.parameters);
-    let episode = Episode::new(parameters.step, &mut random);
+    let (episode, mut random) = Episode::of(parameters.step, seed, number);
     netlist.restart_randomly(random.random());
     let mut environment = episode.environment(parameters, random.random());
     let Episode { scene, rays, behaviour, longest_stall, is_odd, .. } = &episode;
@@ -220,13 +227,6 @@ pub fn run(
     counts.lost = (rays.len() - environment.replies.len()) as u64;
     counts.cycles = environment.cycles();
     Ok(counts)
-}
-
-/// The generator of the episode with this number in the campaign of this seed.
-pub fn episode_random(seed: u64, number: u64) -> ChaCha8Rng {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(number);
-    random
 }
 
 /// The most resets in an episode.

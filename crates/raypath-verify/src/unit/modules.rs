@@ -170,7 +170,7 @@ fn number(random: &mut ChaCha8Rng) -> f32 {
 }
 
 /// Numbers at the limits of the format and between.
-const NUMBERS: [f32; 13] = [
+const NUMBERS: [f32; 14] = [
     0.0,
     -0.0,
     1.0,
@@ -182,6 +182,7 @@ const NUMBERS: [f32; 13] = [
     f32::NEG_INFINITY,
     f32::NAN,
     f32::from_bits(f32::INFINITY.to_bits() + 1),
+    f32::from_bits(f32::NEG_INFINITY.to_bits() + 1),
     f32::MIN_POSITIVE,
     f32::MAX,
 ];

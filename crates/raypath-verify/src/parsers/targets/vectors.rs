@@ -1,6 +1,7 @@
 //! Readers of vectors and of true neighbours. They take the path of a file, whose extension selects the format.
 
 use raypath_search::{Dataset, Vectors, read_neighbours, read_vectors, write_fvecs};
+use std::io::Write;
 use tempfile::{Builder, TempPath};
 
 /// The base of neighbours.
@@ -56,7 +57,8 @@ fn neighbours(extension: &str, bytes: &[u8]) -> bool {
 
 /// A file with this content, which is deleted when the path goes out of scope. None if it cannot be written.
 fn file(extension: &str, bytes: &[u8]) -> Option<TempPath> {
-    let file = Builder::new().suffix(&format!(".{extension}")).tempfile().ok()?;
-    std::fs::write(file.path(), bytes).ok()?;
+    let mut file = Builder::new().suffix(&format!(".{extension}")).tempfile().ok()?;
+    // Truncating the new file, as `std::fs::write` does, would make ext4 wait for the disk.
+    file.write_all(bytes).ok()?;
     Some(file.into_temp_path())
 }
