@@ -242,3 +242,19 @@ fn limit(expected: &[Reply], behaviour: Behaviour, longest_stall: u64) -> u64 {
     let slowest = 1 + longest_stall * share / (256 - share);
     20_000 + blocks * (behaviour.latency.1 + 100) * 2 * slowest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_episode_in_nine_walks_the_deepest_scene_to_its_end() {
+        for (_, parameters) in settings() {
+            let (episode, _) = Episode::of(parameters.step, 1, 8);
+            assert_eq!((episode.behaviour.errors, episode.resets), (0, 0));
+            let mut model = Unit::new(Rules::Paper, parameters.step);
+            let nodes = episode.rays.iter().map(|ray| model.trace(&episode.scene.0[..], ray).nodes);
+            assert!(nodes.max() >= Some(LEVELS), "{parameters}");
+        }
+    }
+}
