@@ -281,7 +281,7 @@ fn compile(
     let optimisation = options.c_optimisation;
     let levels = format!("OPT_FAST=-O{optimisation} OPT_GLOBAL=-O{optimisation} OPT_SLOW=-O0");
     command.args(["-MAKEFLAGS", &levels, "-j", &options.jobs.max(1).to_string()]);
-    if optimisation == 0 {
+    if optimisation < 2 {
         // Most of the time goes into the header, which every file includes: one file is faster than many. With the
         // limit 0, Verilator 5.006 splits the file at each constant.
         command.args(["--output-split", "1000000000"]);

@@ -187,7 +187,8 @@ impl<'d> Covered<'d> {
         let Sources { files, all, .. } = Sources::write(top, folder.path())?;
         let source = String::from_utf8_lossy(&read(&all)?).into_owned();
         let uncounted = design.covered_elsewhere()?;
-        let options = Options { coverage: true, uncounted, ..Options::default() };
+        let c_optimisation = design.c_optimisation();
+        let options = Options { coverage: true, uncounted, c_optimisation, ..Options::default() };
         let verilated = Verilated::build_sources(&files, top, folder.path(), &options)?;
         Ok(Self { design, text, source, constants: BTreeMap::new(), verilated, _folder: folder })
     }

@@ -1,5 +1,5 @@
 //! Bits that cannot change: they are constant for any inputs of their module but those that all its instances tie to a
-//! constant, and any registers and outputs of instances in it but encoders, as Yosys proves by SAT.
+//! constant, and any registers and outputs of instances in it but converters of numbers, as Yosys proves by SAT.
 
 use crate::Error;
 use raypath_tools::{CoverageKind, CoveragePoint, ToolError, Yosys, read, temporary_folder, write};
@@ -8,6 +8,10 @@ use std::sync::atomic::AtomicBool;
 
 /// The module and the bit, `num_q[3]`.
 pub type Bit = (String, String);
+
+/// Instances that are read with the module around them: an encoder makes constant bits of a constant fraction, and a
+/// converter of short words to numbers has constant lower bits.
+const CONVERTERS: &str = "t:raypath_fp_encode_* t:raypath_fp_number_*";
 
 const SCRIPT: &str = "constants.ys";
 const ANSWERS: &str = "answers.txt";
@@ -30,8 +34,7 @@ pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeMap<Bit, b
     for (module, bits) in &bits {
         let tied: Vec<String> = tied(text, module).iter().map(|(port, value)| format!("-set {port} {value}")).collect();
         let sat = format!("tee -q -a {ANSWERS} sat -ignore_unknown_cells {}", tied.join(" "));
-        // What an encoder makes of a constant fraction is constant.
-        script += &format!("cd {module}\nflatten t:raypath_fp_encode_*\n");
+        script += &format!("cd {module}\nflatten {CONVERTERS}\n");
         for (name, value) in bits {
             script += &format!("{sat} -prove {name} 1'b{value}\n");
         }
@@ -106,6 +109,23 @@ mod tests {
         let found = constants(text, &points.map(|(name, hits)| point(name, hits))).expect("Yosys");
         let found: Vec<(&str, bool)> = found.iter().map(|((_, name), value)| (name.as_str(), *value)).collect();
         assert_eq!(found, [("b_o[1]", false), ("b_o[2]", true)]);
+    }
+
+    #[test]
+    fn the_text_of_converters_of_numbers_is_read_and_that_of_other_instances_is_not() {
+        let is_constant = |part: &str| {
+            let text = format!(
+                "module {part} (\n  input logic [1:0] word_i,\n  output logic [3:0] recoded_o\n);\n  assign \
+                 recoded_o = {{word_i, 2'b00}};\nendmodule\nmodule m (\n  input logic [1:0] a_i,\n  output logic \
+                 [3:0] b_o\n);\n  {part} u_part (\n    .word_i (a_i), .recoded_o (b_o)\n  );\nendmodule\n"
+            );
+            let name = "b_o[1]".to_string();
+            let point = CoveragePoint { kind: CoverageKind::Toggle, module: "m".into(), line: 8, name, hits: 0 };
+            !constants(&text, &[point]).expect("Yosys").is_empty()
+        };
+        assert!(is_constant("raypath_fp_encode_e4s5"));
+        assert!(is_constant("raypath_fp_number_e4s5_w2"));
+        assert!(!is_constant("raypath_fp_mul_e4s5"));
     }
 
     #[test]

@@ -25,6 +25,12 @@ pub trait Design: Sync {
         false
     }
 
+    /// The optimisation of the program's C++, [`raypath_tools::Options::c_optimisation`]. More than 0 pays only for
+    /// runs of a hundred thousand cycles.
+    fn c_optimisation(&self) -> u32 {
+        0
+    }
+
     /// What the stimuli can leave out.
     fn omissions(&self) -> Vec<String>;
 

@@ -39,6 +39,10 @@ impl Design for UnitDesign {
         Ok(verilog::modules(self.0.datapath.top())?.iter().map(|module| module.name().to_string()).collect())
     }
 
+    fn c_optimisation(&self) -> u32 {
+        1
+    }
+
     /// The upper bits of the counts of nodes and triangles: a ray of the campaign visits fewer. The bits inside of a
     /// block of the address of a leaf's next block: the environment checks that they are 0 in all requests.
     fn is_left_out(&self, point: &CoveragePoint) -> bool {
