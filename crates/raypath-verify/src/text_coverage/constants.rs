@@ -1,5 +1,6 @@
 //! Bits that cannot change: they are constant for any inputs of their module but those that all its instances tie to a
-//! constant, and any registers and outputs of instances in it but converters of numbers, as Yosys proves by SAT.
+//! constant, any registers that have a reset, and any outputs of instances in it but some, as Yosys proves by SAT and
+//! induction. Registers without a reset begin with 0, as they do in [`raypath_tools::Verilated::coverage`].
 
 use crate::Error;
 use raypath_tools::{CoverageKind, CoveragePoint, ToolError, Yosys, read, temporary_folder, write};
@@ -9,9 +10,17 @@ use std::sync::atomic::AtomicBool;
 /// The module and the bit, `num_q[3]`.
 pub type Bit = (String, String);
 
-/// Instances that are read with the module around them: an encoder makes constant bits of a constant fraction, and a
-/// converter of short words to numbers has constant lower bits.
-const CONVERTERS: &str = "t:raypath_fp_encode_* t:raypath_fp_number_*";
+/// Instances that are read with the module around them: an encoder makes constant bits of a constant fraction, a
+/// converter of short words to numbers has constant lower bits, and so have the remainders of the parts of a divider.
+const READ: &str = "t:raypath_fp_encode_* t:raypath_fp_number_* t:raypath_fp_div_*";
+/// One step of induction, in which registers without a reset begin with 0. Yosys leaves registers with a reset free.
+const PROOF: &str = "sat -ignore_unknown_cells -tempinduct -maxsteps 1 -set-init-zero";
+/// What Yosys prints at the end of a proof, and whether it has proved the claim.
+const ENDS: [(&str, bool); 3] = [
+    ("Induction step proven: SUCCESS!", true),
+    ("Reached maximum number of time steps -> proof failed.", false),
+    ("SAT temporal induction proof finished - model found for base case: FAIL!", false),
+];
 
 const SCRIPT: &str = "constants.ys";
 const ANSWERS: &str = "answers.txt";
@@ -33,8 +42,8 @@ pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeMap<Bit, b
     let mut script = String::from("read_verilog -sv text.sv\nproc\n");
     for (module, bits) in &bits {
         let tied: Vec<String> = tied(text, module).iter().map(|(port, value)| format!("-set {port} {value}")).collect();
-        let sat = format!("tee -q -a {ANSWERS} sat -ignore_unknown_cells {}", tied.join(" "));
-        script += &format!("cd {module}\nflatten {CONVERTERS}\n");
+        let sat = format!("tee -q -a {ANSWERS} {PROOF} {}", tied.join(" "));
+        script += &format!("cd {module}\nflatten {READ}\n");
         for (name, value) in bits {
             script += &format!("{sat} -prove {name} 1'b{value}\n");
         }
@@ -47,8 +56,8 @@ pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeMap<Bit, b
     let answers = String::from_utf8_lossy(&read(&folder.path().join(ANSWERS))?).into_owned();
     let answers: Vec<bool> = answers
         .lines()
-        .filter(|line| line.starts_with("SAT proof finished"))
-        .map(|line| line.contains("no model found: SUCCESS"))
+        .filter_map(|line| ENDS.iter().find(|(end, _)| line == *end))
+        .map(|&(_, is_proved)| is_proved)
         .collect();
     let asked: Vec<(Bit, bool)> = bits
         .iter()
@@ -93,9 +102,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_bits_that_are_constant_for_any_inputs_and_registers_are_proved() {
-        let text = "module m (\n  input logic clk_i,\n  input logic [1:0] a_i,\n  output logic [3:0] b_o\n);\n  logic q;\n  \
-                    always_ff @(posedge clk_i) q <= 1'b0;\n  \
+    fn only_bits_that_are_constant_for_any_inputs_are_proved() {
+        let text = "module m (\n  input logic clk_i, rst_ni,\n  input logic [1:0] a_i,\n  output logic [3:0] b_o\n);\n  \
+                    logic q, r, zero;\n  always_ff @(posedge clk_i) begin q <= a_i[0]; if (q) zero <= 1'b0; end\n  \
+                    always_ff @(posedge clk_i or negedge rst_ni) if (!rst_ni) r <= 1'b0; else r <= 1'b0;\n  \
                     assign b_o = {q, a_i[0] | ~a_i[0], a_i[0] & ~a_i[0], a_i[1]};\nendmodule\n";
         let point = |name: &str, hits| CoveragePoint {
             kind: CoverageKind::Toggle,
@@ -104,15 +114,24 @@ mod tests {
             name: name.to_string(),
             hits,
         };
-        let points =
-            [("b_o[0]", 0), ("b_o[1]", 0), ("b_o[2]", 1), ("b_o[3]", 0), ("a_i[1]", 0), ("b_o[2]", 0), ("q", 5)];
+        let points = [
+            ("b_o[0]", 0),
+            ("b_o[1]", 0),
+            ("b_o[2]", 1),
+            ("b_o[3]", 0),
+            ("a_i[1]", 0),
+            ("b_o[2]", 0),
+            ("q", 0),
+            ("zero", 0),
+            ("r", 0),
+        ];
         let found = constants(text, &points.map(|(name, hits)| point(name, hits))).expect("Yosys");
         let found: Vec<(&str, bool)> = found.iter().map(|((_, name), value)| (name.as_str(), *value)).collect();
-        assert_eq!(found, [("b_o[1]", false), ("b_o[2]", true)]);
+        assert_eq!(found, [("b_o[1]", false), ("b_o[2]", true), ("zero", false)]);
     }
 
     #[test]
-    fn the_text_of_converters_of_numbers_is_read_and_that_of_other_instances_is_not() {
+    fn the_text_of_some_instances_is_read_and_that_of_others_is_not() {
         let is_constant = |part: &str| {
             let text = format!(
                 "module {part} (\n  input logic [1:0] word_i,\n  output logic [3:0] recoded_o\n);\n  assign \
@@ -125,6 +144,7 @@ mod tests {
         };
         assert!(is_constant("raypath_fp_encode_e4s5"));
         assert!(is_constant("raypath_fp_number_e4s5_w2"));
+        assert!(is_constant("raypath_fp_div_e4s5_part_1_of_2"));
         assert!(!is_constant("raypath_fp_mul_e4s5"));
     }
 
