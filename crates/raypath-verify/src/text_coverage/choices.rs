@@ -16,6 +16,10 @@ use raypath_rtl::{
 use raypath_unit::UnitParameters;
 use std::fmt;
 
+/// The width of the memory of a unit with a divider of one cycle: a block in a beat. Such a divider waits only if a
+/// leaf arrives right after another, which was not seen with 128 and 256 bits.
+const WHOLE_BLOCK: u32 = 1024;
+
 /// A design that can be covered.
 pub enum Choice {
     /// A datapath.
@@ -51,8 +55,11 @@ impl fmt::Display for Choice {
 /// traversal units of their campaign.
 pub fn choices(level: Level) -> Result<Vec<Choice>, Error> {
     let datapaths = datapaths(level)?.into_iter().map(Choice::Datapath);
-    let units = settings().take(level.pick(0, usize::MAX, usize::MAX));
-    Ok(datapaths.chain(units.map(|(config, parameters)| Choice::Unit(config, parameters))).collect())
+    let units = settings().take(level.pick(0, usize::MAX, usize::MAX)).map(|(config, parameters)| {
+        let memory_width = if parameters.divider_latency == 1 { WHOLE_BLOCK } else { parameters.memory_width };
+        Choice::Unit(config, UnitParameters { memory_width, ..parameters })
+    });
+    Ok(datapaths.chain(units).collect())
 }
 
 fn datapaths(level: Level) -> Result<Vec<Subject>, Error> {
