@@ -277,7 +277,7 @@ fn compile(
     let mut command = Command::new("verilator");
     let fixed = "--cc --exe --build --assert -O3 --x-assign 0 --x-initial unique --prefix Vtop";
     command.args(fixed.split(' '));
-    // Half of the C++ runs once, at the start, and is not worth optimising.
+    // Half of the C++ runs once, at the start, and is not worth optimising. In one file it gets the level of the rest.
     let optimisation = options.c_optimisation;
     let levels = format!("OPT_FAST=-O{optimisation} OPT_GLOBAL=-O{optimisation} OPT_SLOW=-O0");
     command.args(["-MAKEFLAGS", &levels, "-j", &options.jobs.max(1).to_string()]);

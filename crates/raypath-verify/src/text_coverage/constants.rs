@@ -1,6 +1,6 @@
 //! Bits that cannot change: they are constant for any inputs of their module but those that all its instances tie to a
-//! constant, any registers that have a reset, and any outputs of instances in it but some, as Yosys proves by SAT and
-//! induction. Registers without a reset begin with 0, as they do in [`raypath_tools::Verilated::coverage`].
+//! constant, any registers that have a reset, and any outputs of instances in it but [`INLINED`], as Yosys proves by SAT
+//! and induction. Registers without a reset begin with 0, as they do in [`raypath_tools::Verilated::coverage`].
 
 use crate::Error;
 use raypath_tools::{CoverageKind, CoveragePoint, ToolError, Yosys, read, temporary_folder, write};
@@ -12,11 +12,11 @@ pub type Bit = (String, String);
 
 /// Instances that are read with the module around them: an encoder makes constant bits of a constant fraction, a
 /// converter of short words to numbers has constant lower bits, and so have the remainders of the parts of a divider.
-const READ: &str = "t:raypath_fp_encode_* t:raypath_fp_number_* t:raypath_fp_div_*";
+const INLINED: &str = "t:raypath_fp_encode_* t:raypath_fp_number_* t:raypath_fp_div_*";
 /// One step of induction, in which registers without a reset begin with 0. Yosys leaves registers with a reset free.
 const PROOF: &str = "sat -ignore_unknown_cells -tempinduct -maxsteps 1 -set-init-zero";
 /// What Yosys prints at the end of a proof, and whether it has proved the claim.
-const ENDS: [(&str, bool); 3] = [
+const OUTCOMES: [(&str, bool); 3] = [
     ("Induction step proven: SUCCESS!", true),
     ("Reached maximum number of time steps -> proof failed.", false),
     ("SAT temporal induction proof finished - model found for base case: FAIL!", false),
@@ -43,11 +43,10 @@ pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeMap<Bit, b
     for (module, bits) in &bits {
         let tied: Vec<String> = tied(text, module).iter().map(|(port, value)| format!("-set {port} {value}")).collect();
         let sat = format!("tee -q -a {ANSWERS} {PROOF} {}", tied.join(" "));
-        script += &format!("cd {module}\nflatten {READ}\n");
+        script += &format!("cd {module}\nflatten {INLINED}\n");
         for (name, value) in bits {
-            // Of the logic from which the signal follows alone: the whole module takes many times as long.
-            let signal = signal(name);
-            script += &format!("{sat} -prove {name} 1'b{value} w:{signal} %ci*\n");
+            // Yosys imports the logic that drives the signal; the whole module takes many times as long.
+            script += &format!("{sat} -prove {name} 1'b{value} w:{} %ci*\n", signal(name));
         }
         script += "cd ..\n";
     }
@@ -58,8 +57,7 @@ pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeMap<Bit, b
     let answers = String::from_utf8_lossy(&read(&folder.path().join(ANSWERS))?).into_owned();
     let answers: Vec<bool> = answers
         .lines()
-        .filter_map(|line| ENDS.iter().find(|(end, _)| line == *end))
-        .map(|&(_, is_proved)| is_proved)
+        .filter_map(|line| OUTCOMES.iter().find_map(|&(end, is_proved)| (line == end).then_some(is_proved)))
         .collect();
     let asked: Vec<(Bit, bool)> = bits
         .iter()
