@@ -10,8 +10,7 @@ use raypath_float::Format;
 use raypath_ops::operations::NAMES;
 use raypath_ops::{BoxBits, Culling, Rounding, Rules};
 use raypath_rtl::{
-    Accumulators, Config, Control, Encoding, Features, Interval, Lanes, Multiplier, PRESETS, Sharing, UnitLatency,
-    UnitSharing,
+    Accumulators, Config, Control, Encoding, Features, Interval, Lanes, Multiplier, PRESETS, UnitLatency, UnitSharing,
 };
 use raypath_unit::UnitParameters;
 use std::fmt;
@@ -47,8 +46,9 @@ impl fmt::Display for Choice {
 }
 
 /// The designs of a level: a small datapath with features; from level full on also the presets, small ones with each
-/// value of each parameter of the microarchitecture, each feature, rule set, rounding and added operation, and the
-/// traversal units of their campaign.
+/// value of each parameter of the microarchitecture but segregated registers, each feature, rule set, rounding and added
+/// operation, and the traversal units of their campaign. A preset has segregated registers: in a small format, the signs
+/// of the distances of boxes, which are 0 in each of these registers, are more than 1 % of the bits.
 pub fn choices(level: Level) -> Result<Vec<Choice>, Error> {
     let datapaths = datapaths(level)?.into_iter().map(Choice::Datapath);
     let units = settings().take(level.pick(0, usize::MAX, usize::MAX)).map(|(config, parameters)| {
@@ -76,10 +76,6 @@ fn datapaths(level: Level) -> Result<Vec<Subject>, Error> {
         configs.extend(Interval::ALL.iter().map(|&interval| of.interval(interval)));
         configs.push(of.clock_gating(true));
     }
-    // The sign of a box's distance is 0 in each segregated register that passes it on: over 1 % of the bits of numbers of
-    // 10 bits.
-    let half = small.format(Format::BINARY16);
-    configs.extend(Sharing::ALL.iter().map(|&sharing| half.sharing(sharing)));
     configs.extend(UnitSharing::ALL.iter().map(|&units| small.units(units)));
     configs.extend(Multiplier::ALL.iter().map(|&multiplier| small.multiplier(multiplier)));
     for &io in Encoding::ALL {
@@ -94,7 +90,7 @@ fn datapaths(level: Level) -> Result<Vec<Subject>, Error> {
         small.culling(Culling::Front),
         small.conservative(true),
         // Bounds of 8 bits need as many in the significand, and exceptions need binary32.
-        half.quantised_boxes(true),
+        small.format(Format::BINARY16).quantised_boxes(true),
         small.format(Format::BINARY32).exception_flags(true),
     ]);
     let mut subjects: Vec<Subject> = Vec::new();
