@@ -46,13 +46,14 @@ impl fmt::Display for Choice {
 }
 
 /// The designs of a level: a small datapath with features; from level full on also the presets, small ones with each
-/// value of each parameter of the microarchitecture but segregated registers, each feature, rule set, rounding and added
-/// operation, and the traversal units of their campaign. A preset has segregated registers: in a small format, the signs
-/// of the distances of boxes, which are 0 in each of these registers, are more than 1 % of the bits.
+/// value of each parameter of the microarchitecture but segregated registers, each feature, rule set, rounding and
+/// added operation, and the traversal units of their campaign. A preset has segregated registers: in a small format,
+/// the signs of the distances of boxes, which are 0 in each of these registers, are more than 1 % of the bits.
 pub fn choices(level: Level) -> Result<Vec<Choice>, Error> {
     let datapaths = datapaths(level)?.into_iter().map(Choice::Datapath);
     let units = settings().take(level.pick(0, usize::MAX, usize::MAX)).map(|(config, parameters)| {
-        // A divider of one cycle waits only if a leaf arrives right after another. No run showed that with 128 or 256 bits.
+        // A divider of one cycle waits only if a leaf arrives right after another. No run showed that with 128 or 256
+        // bits.
         let block_width = 8 * parameters.step.node.block_bytes();
         let memory_width = if parameters.divider_latency == 1 { block_width } else { parameters.memory_width };
         Choice::Unit(config, UnitParameters { memory_width, ..parameters })

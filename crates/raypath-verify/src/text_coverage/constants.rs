@@ -1,6 +1,7 @@
 //! Bits that cannot change: they are constant for any inputs of their module but those that all its instances tie to a
-//! constant, any registers that have a reset, and any outputs of instances in it but [`INLINED`], as Yosys proves by SAT
-//! and induction. Registers without a reset begin with 0, as they do in [`raypath_tools::Verilated::coverage`].
+//! constant, any registers that have a reset, and any outputs of instances in it but [`INLINED`], as Yosys proves by
+//! SAT and induction. Registers without a reset begin with 0, as they do in
+//! [`raypath_tools::Verilated::coverage`].
 
 use crate::Error;
 use raypath_tools::{CoverageKind, CoveragePoint, ToolError, Yosys, read, temporary_folder, write};
