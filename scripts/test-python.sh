@@ -35,4 +35,4 @@ ruff format --check --quiet
 ruff check --quiet
 mypy
 stubtest raypath._raypath
-pytest --quiet --numprocesses auto --dist loadfile "$@"
+pytest --quiet "$@"
