@@ -47,8 +47,8 @@ impl fmt::Display for Choice {
 
 /// The designs of a level: a small datapath with features; from level full on also the presets, small ones with each
 /// value of each parameter of the microarchitecture but segregated registers, each feature, rule set, rounding and
-/// added operation, and the traversal units of their campaign. A preset has segregated registers: in a small format,
-/// the signs of the distances of boxes, which are 0 in each of these registers, are more than 1 % of the bits.
+/// added operation, and the traversal units of their campaign. A preset has segregated registers: with numbers of 10
+/// bits, the signs of the distances of boxes, which are 0 in each of these registers, are more than 1 % of the bits.
 pub fn choices(level: Level) -> Result<Vec<Choice>, Error> {
     let datapaths = datapaths(level)?.into_iter().map(Choice::Datapath);
     let units = settings().take(level.pick(0, usize::MAX, usize::MAX)).map(|(config, parameters)| {
