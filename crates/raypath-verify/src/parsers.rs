@@ -107,12 +107,9 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_large_allocation_shows() {
-        let before = super::peak_memory().expect("a number");
-        let large = vec![1_u8; 300 << 20];
-        let after = super::peak_memory().expect("a number");
-        assert!(
-            large.iter().step_by(4096).all(|&byte| byte == 1) && after >= before + (200 << 20),
-            "{before}, {after}"
-        );
+        // More than other tests of this process use. The peak before it says nothing, because they free memory.
+        let large = vec![1_u8; 1 << 30];
+        let peak = super::peak_memory().expect("a number");
+        assert!(large.iter().step_by(4096).all(|&byte| byte == 1) && peak >= 1 << 30, "{peak}");
     }
 }

@@ -108,19 +108,23 @@ fn proven_mutants_survive(mutants: &[Mutant<'_>]) {
     let mut proven = 0;
     for mutant in mutants {
         let trial = trial(mutant).expect("a mutant");
-        if proven < 6 && effect(trial.subject, &trial.module, &trial.top).expect("a proof") == Effect::None {
-            proven += 1;
-            let result = trial.run(false).expect("a fate");
-            // The proof covers outcomes, not the words in registers that no job reads.
-            let is_alike = match &result {
-                MutantResult::Killed(check) => check == "canonical words",
-                MutantResult::Equivalent(_) => true,
-                MutantResult::Survived(_) => false,
-            };
-            assert!(is_alike, "{}: {result:?}", mutant.fault);
+        if effect(trial.subject, &trial.module, &trial.top).expect("a proof") != Effect::None {
+            continue;
+        }
+        let result = trial.run(false).expect("a fate");
+        // The proof covers outcomes, not the words in registers that no job reads.
+        let is_alike = match &result {
+            MutantResult::Killed(check) => check == "canonical words",
+            MutantResult::Equivalent(_) => true,
+            MutantResult::Survived(_) => false,
+        };
+        assert!(is_alike, "{}: {result:?}", mutant.fault);
+        proven += 1;
+        if proven == 3 {
+            return;
         }
     }
-    assert!(proven >= 5, "{proven}");
+    panic!("{proven} of {} mutants are proven equivalent, expected 3", mutants.len());
 }
 
 /// Faults that change outcomes are not proven equivalent.
