@@ -9,10 +9,12 @@ cd "$(dirname "$0")"
 
 level=regression
 quick=false
+# The profile in Cargo.toml that compiles fast. Campaigns of hours are worth optimised programs.
+profile=tests
 case "${1:-}" in
   '') ;;
   --quick) quick=true ;;
-  --long) level=full ;;
+  --long) level=full profile=release ;;
   *) echo "test.sh: unknown argument '$1', expected --quick, --long or nothing" >&2; exit 2 ;;
 esac
 
@@ -28,17 +30,17 @@ cargo fmt --all --check
 
 step 'Clippy'
 # In the profile of the tests, so that macros and build scripts are compiled once.
-cargo clippy --workspace --all-targets --release --locked -- -D warnings
+cargo clippy --workspace --all-targets --profile "$profile" --locked -- -D warnings
 
 if "$quick"; then
   step 'Unit tests'
-  cargo test --workspace --lib --release --locked
+  cargo test --workspace --lib --profile "$profile" --locked
   step 'Done'
   exit
 fi
 
 step 'Documentation'
-RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --release --locked --quiet
+RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --profile "$profile" --locked --quiet
 
 step 'Tests'
 # Programs that Verilator compiled, for the next run: they are named by a hash of what they were compiled from.
@@ -52,17 +54,18 @@ export CCACHE_DIR="${RAYPATH_VERILATED%verilated}ccache" CCACHE_MAXSIZE=1G
 long=''
 if [ "$level" = full ]; then long='-- --include-ignored'; fi
 # shellcheck disable=SC2086 # $long is two words or none
-cargo test --workspace --release --locked --no-fail-fast $long
+cargo test --workspace --profile "$profile" --locked --no-fail-fast $long
 
 step 'Python'
+export RAYPATH_PROFILE=$profile
 if [ "$level" = full ]; then scripts/test-python.sh -m 'long or not long'; else scripts/test-python.sh; fi
 
 step 'Verification'
 # The program that the tests were made with: `cargo run` would compile it once more, without the feature `full`.
-"${CARGO_TARGET_DIR:-target}/release/raypath" verify --level "$level"
+"${CARGO_TARGET_DIR:-target}/$profile/raypath" verify --level "$level"
 
 step 'Records that are stale'
-"${CARGO_TARGET_DIR:-target}/release/raypath" verify --stale docs/records
+"${CARGO_TARGET_DIR:-target}/$profile/raypath" verify --stale docs/records
 
 step 'Fuzzing'
 # At level full an hour in all, on two cores.

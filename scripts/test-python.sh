@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Builds the wheel, installs it in a virtual environment under target/python, and runs mypy, ruff and pytest.
 #   scripts/test-python.sh [ARGUMENTS OF PYTEST]
+#   RAYPATH_PROFILE=release scripts/test-python.sh    with another of Cargo's profiles than `tests`
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+profile=${RAYPATH_PROFILE:-tests}
 folder=$(realpath -m "${CARGO_TARGET_DIR:-target}/python")
 venv=$folder/venv
 requirements=crates/raypath-python/tests/requirements.txt
@@ -22,13 +24,13 @@ fi
 export PATH=$venv/bin:$PATH VIRTUAL_ENV=$venv MPLCONFIGDIR=$folder/matplotlib
 
 rm -rf "$folder/wheels"
-maturin build --release --locked --quiet --out "$folder/wheels" --compression-level 1
+maturin build --profile "$profile" --locked --quiet --out "$folder/wheels" --compression-level 1
 uv pip install --quiet --no-deps --reinstall "$folder"/wheels/raypath-*.whl
 
 # uv compiles nothing, and the tests start Python a hundred times: the first start has to keep what it compiles.
 unset PYTHONDONTWRITEBYTECODE
 # The tests start the program a hundred times too, and the one that cargo builds starts faster than that of the wheel.
-program=$(realpath -m "${CARGO_TARGET_DIR:-target}/release/raypath")
+program=$(realpath -m "${CARGO_TARGET_DIR:-target}/$profile/raypath")
 if [ -z "${RAYPATH_PROGRAM:-}" ] && "$program" verify --list >/dev/null 2>&1; then export RAYPATH_PROGRAM=$program; fi
 
 ruff format --check --quiet

@@ -27,7 +27,7 @@ fn the_table_of_results_follows_from_the_records() {
     assert!(
         document == expected,
         "docs/development/verification.md does not show docs/records as they are now, expected:\n{table}\
-         help: RAYPATH_UPDATE=1 cargo test --release --workspace --test integration records"
+         help: RAYPATH_UPDATE=1 cargo test --profile tests --workspace --test integration records"
     );
 }
 

@@ -260,7 +260,7 @@ fn a_visitor_sees_what_the_hardware_has() {
 }
 
 /// Prints the cost of each feature, for `docs/reference/features.md`:
-/// `cargo test --release -p raypath-rtl --test integration options::costs -- --nocapture`.
+/// `cargo test --profile tests -p raypath-rtl --test integration options::costs -- --nocapture`.
 #[test]
 fn costs() {
     let of = |features| {
