@@ -120,11 +120,11 @@ fn proven_mutants_survive(mutants: &[Mutant<'_>]) {
         };
         assert!(is_alike, "{}: {result:?}", mutant.fault);
         proven += 1;
-        if proven == 3 {
-            return;
+        if proven == 6 {
+            break;
         }
     }
-    panic!("{proven} of {} mutants are proven equivalent, expected 3", mutants.len());
+    assert!(proven >= 5, "{proven}");
 }
 
 /// Faults that change outcomes are not proven equivalent.

@@ -182,17 +182,8 @@ fn quoted_output_is_that_of_the_examples() {
 /// The output of an example of `raypath-model`.
 fn printed(example: &str) -> String {
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args([
-        "run",
-        "--quiet",
-        "--profile",
-        "tests",
-        "--locked",
-        "--package",
-        "raypath-model",
-        "--example",
-        example,
-    ]);
+    let fixed = "run --quiet --profile tests --locked --package raypath-model --example";
+    cargo.args(fixed.split(' ')).arg(example);
     let output = cargo.current_dir(env!("CARGO_MANIFEST_DIR")).output().expect("cargo");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).expect("text")
