@@ -71,11 +71,12 @@ impl Parts {
         found.sort_by_key(|(shard, ..)| shard.number());
         let shards: Vec<Shard> = found.iter().map(|(shard, ..)| *shard).collect();
         let count = shards.first().map_or(0, |shard| shard.count());
+        let found_shards: Vec<String> = shards.iter().map(Shard::to_string).collect();
         let all = (1..=count).map(|number| format!("{number}/{count}"));
-        if shards.is_empty() || !all.eq(shards.iter().map(Shard::to_string)) {
-            let shards: Vec<String> = shards.iter().map(Shard::to_string).collect();
-            let found = format!("the shards [{}] of {task}", shards.join(", "));
-            return Err(unexpected(folder, found, "each shard i/n of one n once"));
+        if shards.is_empty() || !all.clone().eq(found_shards.iter().cloned()) {
+            let missing = first(all.filter(|shard| !found_shards.contains(shard)));
+            let found = format!("the shards [{}] of {task}", first(found_shards.iter().cloned()));
+            return Err(unexpected(folder, found, &format!("each shard i/n of one n once; missing: [{missing}]")));
         }
         let seconds = found.iter().map(|(.., task)| task.seconds).sum();
         let tasks = found.into_iter().map(|(_, path, task)| (path.clone(), task.clone())).collect();
@@ -165,6 +166,14 @@ impl Part {
     }
 }
 
+/// The first of many shards, for a message. Their number may be anything that a file says.
+fn first(mut shards: impl Iterator<Item = String>) -> String {
+    const MOST: usize = 8;
+    let mut names: Vec<String> = shards.by_ref().take(MOST).collect();
+    names.extend(shards.next().map(|_| "…".to_string()));
+    names.join(", ")
+}
+
 fn shard(path: &Path, part: &Part) -> Result<Shard, ToolError> {
     part.shard.parse().map_err(|problem| unexpected(path, format!("{problem}"), "a shard"))
 }
@@ -208,6 +217,16 @@ mod tests {
             let problem = merged(&parts).expect_err("not all shards").to_string();
             assert!(problem.contains(&shards.join(", ")) && problem.contains("of sums"), "{problem}");
         }
+    }
+
+    #[test]
+    fn a_message_about_many_shards_names_those_that_are_missing() {
+        let shards = (1..=62).filter(|number| ![7, 40].contains(number));
+        let parts: Vec<_> = shards.map(|number| part(&format!("{number}/62"), &[1])).collect();
+        let problem = merged(&parts).expect_err("not all shards").to_string();
+        assert!(problem.contains("8/62, 9/62, …] of sums") && problem.contains("missing: [7/62, 40/62]"), "{problem}");
+        let problem = merged(&parts[..1]).expect_err("one shard").to_string();
+        assert!(problem.contains("missing: [2/62, 3/62, 4/62, 5/62, 6/62, 7/62, 8/62, 9/62, …]"), "{problem}");
     }
 
     #[test]
