@@ -1,5 +1,6 @@
 //! The linters that emitted SystemVerilog must pass without any message: Verilator, Yosys and slang.
 
+use crate::program::python;
 use crate::verilator::VERILATOR;
 use crate::yosys::YOSYS;
 use crate::{Program, ToolError};
@@ -64,7 +65,7 @@ pub fn lint_yosys(file: &Path, top: &str) -> Result<(), ToolError> {
 /// # Errors
 /// The module is missing, or slang reports any diagnostic.
 pub fn lint_slang(files: &[PathBuf]) -> Result<(), ToolError> {
-    let mut command = Command::new("python3");
+    let mut command = python();
     command.args(["-c", SLANG_SCRIPT]).args(files);
     match PYSLANG.output(&mut command) {
         Ok(output) => expect_silence(&PYSLANG, output),

@@ -1,11 +1,13 @@
 //! What all external programs share: their description, and running one with a log, a time limit and a way to stop it.
 
 use crate::ToolError;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// An external program, as messages describe it.
@@ -53,10 +55,27 @@ impl Program {
 }
 
 /// The first line of what a command prints, up to a parenthesis. None if it cannot be started or fails.
+///
+/// A command that succeeded does not run again: installed programs stay as they are, and some are asked for a hundred
+/// times.
 pub(crate) fn first_line(command: &mut Command) -> Option<String> {
+    static KNOWN: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let name = format!("{command:?}");
+    if let Some(line) = known().get(&name) {
+        return Some(line.clone());
+    }
     let output = command.stdin(Stdio::null()).output().ok().filter(|output| output.status.success())?;
     let line = String::from_utf8_lossy(&output.stdout).lines().next()?.to_string();
-    Some(line.split(" (").next().unwrap_or_default().to_string())
+    let line = line.split(" (").next().unwrap_or_default().to_string();
+    known().insert(name, line.clone());
+    Some(line)
+}
+
+/// Python's interpreter. `python3` may be a script of a version manager that takes longer than the interpreter itself.
+pub(crate) fn python() -> Command {
+    let path = first_line(Command::new("python3").args(["-c", "import sys; print(sys.executable)"]));
+    Command::new(path.as_deref().unwrap_or("python3"))
 }
 
 /// How a program runs.
@@ -197,6 +216,20 @@ mod tests {
         };
         while !gone() {
             std::thread::sleep(POLL_INTERVAL);
+        }
+    }
+
+    /// Programs that are missing are looked for again.
+    #[test]
+    fn what_a_program_printed_is_known() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut command = Command::new("sh");
+        let count = folder.path().join("count");
+        command.args(["-c", &format!("echo x >> {0} && wc -l < {0} && test -e {0}.ready", count.display())]);
+        assert_eq!(first_line(&mut command), None);
+        fs::write(count.with_extension("ready"), "").expect("a file");
+        for _ in 0..2 {
+            assert_eq!(first_line(&mut command).as_deref(), Some("2"));
         }
     }
 

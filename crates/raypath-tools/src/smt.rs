@@ -1,9 +1,8 @@
 //! Z3 and Bitwuzla, which decide questions in SMT-LIB 2.
 
-use crate::program::{Ended, Run};
+use crate::program::{Ended, Run, python};
 use crate::{Program, ToolError, read, write};
 use std::path::Path;
-use std::process::Command;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -82,7 +81,7 @@ impl SmtSolver {
             write(&folder.join(name), script)?;
         }
         let run = Run { folder, log: "solver.log", limit: Some(limit), stop };
-        let ended = run.run(self.program, Command::new("python3").args(["-c", self.python]).args(&names))?;
+        let ended = run.run(self.program, python().args(["-c", self.python]).args(&names))?;
         let output = String::from_utf8_lossy(&read(&folder.join(run.log))?).into_owned();
         match ended {
             Ended::Success => Ok(Some(output)),

@@ -1,6 +1,6 @@
 //! Yosys, which synthesises: as a program, or as a Python module.
 
-use crate::program::Run;
+use crate::program::{Run, python};
 use crate::{Program, ToolError};
 use std::path::Path;
 use std::process::Command;
@@ -69,11 +69,11 @@ impl Yosys {
     /// # Errors
     /// It failed, or `stop` was set meanwhile ([`ToolError::Stopped`]).
     pub fn run(&self, folder: &Path, script: &str, about: &str, stop: &AtomicBool) -> Result<(), ToolError> {
-        let (program, name, options): (_, _, &[&str]) = match self.kind {
-            YosysKind::Program => (&YOSYS, "yosys", &["-q", "-s"]),
-            YosysKind::Python => (&PYOSYS, "python3", &["-c", PYTHON]),
+        let (program, mut command, options) = match self.kind {
+            YosysKind::Program => (&YOSYS, Command::new("yosys"), ["-q", "-s"]),
+            YosysKind::Python => (&PYOSYS, python(), ["-c", PYTHON]),
         };
         let run = Run { folder, log: Self::LOG, limit: None, stop };
-        run.succeed(program, Command::new(name).args(options).arg(script), &self.version, about)
+        run.succeed(program, command.args(options).arg(script), &self.version, about)
     }
 }

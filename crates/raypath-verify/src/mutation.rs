@@ -47,7 +47,7 @@ const LIST: &str = "build/verify/mutants.txt";
 
 /// Runs the checks of the regression tests on a sample of the faults of all modules.
 pub(crate) fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let count = request.jobs.unwrap_or(request.level.pick(200, 2400, 10_000)) as usize;
+    let count = request.jobs.unwrap_or(request.level.pick(120, 2400, 10_000)) as usize;
     let subjects = subjects(&CONFIGS)?;
     let mutants = choose(&subjects, count, request.seed);
     let proves_modules = request.level > Level::Regression;
