@@ -219,8 +219,8 @@ mod tests {
         assert_eq!(added(&["sphere", "octbox"]), [(config, Some("octbox")), (config, Some("sphere"))]);
     }
 
-    /// In folded pipelines with automatic stages a step can read a register and encode the next value of the same one. The
-    /// item builds the others at level `full`.
+    /// In folded pipelines with automatic stages a step can read a register and encode the next value of the same one.
+    /// The item builds the others at level `full`.
     #[test]
     fn automatic_stages_can_be_built() {
         for subject in random(Level::Full, 1).iter().filter(|subject| subject.is_scheduled).step_by(3) {
