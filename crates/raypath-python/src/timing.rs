@@ -10,13 +10,11 @@ use raypath_float::Format;
 use raypath_ops::JobKind;
 use raypath_rtl::Features;
 use raypath_timing::{Environment, System, Timing};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The datapath of an argument, or that of the preset `paper`. It must compute the paper's operations in binary32.
 pub fn plain(datapath: Option<&Bound<'_, Datapath>>) -> PyResult<Arc<embed::Datapath>> {
-    let Some(datapath) = datapath else {
-        return embed::Datapath::open("", &[]).map(Arc::new).map_err(crate::error::exception);
-    };
+    let Some(datapath) = datapath else { return paper() };
     let inner = &datapath.get().inner;
     let semantics = inner.config().semantics;
     if semantics.format != Format::BINARY32 || semantics.features != Features::OFF {
@@ -24,6 +22,16 @@ pub fn plain(datapath: Option<&Bound<'_, Datapath>>) -> PyResult<Arc<embed::Data
         return Err(value_error(format!("datapath: found {found}, expected format fp32 and no features")));
     }
     Ok(inner.clone())
+}
+
+/// The datapath of the preset `paper`, elaborated once: that takes longer than a search among a few vectors.
+fn paper() -> PyResult<Arc<embed::Datapath>> {
+    static PAPER: OnceLock<Arc<embed::Datapath>> = OnceLock::new();
+    if let Some(known) = PAPER.get() {
+        return Ok(known.clone());
+    }
+    let datapath = embed::Datapath::open("", &[]).map_err(crate::error::exception)?;
+    Ok(PAPER.get_or_init(|| Arc::new(datapath)).clone())
 }
 
 /// The pipeline of a datapath before a memory.
