@@ -7,6 +7,7 @@ use raypath_verify::unit::proofs::{Obligation, Setting, Variant, check};
 fn the_proofs_refute_faults() {
     let faults = |variant| Setting::least(variant, false).expect("a unit").faults().expect("texts");
     let obligations: Vec<Obligation> = Variant::ALL.into_iter().flat_map(faults).collect();
+    assert!(obligations.len() > 60);
     let results = check(&obligations, "1/4".parse().expect("a shard"), &mut |_| true).expect("results");
     assert!(results.len() > 15, "{}", results.len());
     // A failure names the fault.

@@ -220,7 +220,7 @@ mod tests {
     }
 
     /// In folded pipelines with automatic stages a step can read a register and encode the next value of the same one.
-    /// The item builds the others at level `full`.
+    /// A third of the sample: at level `full` the item `operations` builds all of it.
     #[test]
     fn automatic_stages_can_be_built() {
         for subject in random(Level::Full, 1).iter().filter(|subject| subject.is_scheduled).step_by(3) {
