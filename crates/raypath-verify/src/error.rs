@@ -24,4 +24,7 @@ pub enum Error {
     /// A traversal unit cannot be built.
     #[error(transparent)]
     Unit(#[from] raypath_unit::UnitError),
+    /// A text names no shard.
+    #[error(transparent)]
+    Shard(#[from] raypath_tools::pool::ShardError),
 }

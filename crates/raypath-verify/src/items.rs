@@ -3,7 +3,7 @@
 use crate::units::Dividers;
 use crate::units::bench::Units;
 use crate::units::proofs;
-use crate::{Error, Request, Verdict};
+use crate::{Error, Level, Request, Shard, Verdict};
 use crate::{
     campaign, control, dataflow, gates, geometry, models, mutation, operation_mutation, parsers, reset, text_coverage,
     unit, units,
@@ -25,8 +25,31 @@ pub struct Item {
     pub subject: &'static [&'static str],
     /// Whether the request's configuration changes what is checked.
     pub has_configuration: bool,
-    /// Checks the claim.
+    /// The part of its work that level `regression` does, as `--shard` takes it: "1/1", or less if all takes long.
+    pub regression_shard: &'static str,
+    /// Checks the claim with all of the request's work.
     pub run: fn(&mut Request<'_>) -> Result<Verdict, Error>,
+}
+
+impl Item {
+    /// Checks the claim. Level `regression` does its part of the work, and the verdict says which, unless the request
+    /// chooses a configuration, a number of jobs or shards.
+    ///
+    /// # Errors
+    /// The item cannot run.
+    pub fn verify(&self, request: &mut Request<'_>) -> Result<Verdict, Error> {
+        let has_parts = request.parts.is_saved() || request.parts.seconds().is_some();
+        let has_choice = request.is_chosen || request.jobs.is_some() || has_parts || request.shard != Shard::ALL;
+        if request.level > Level::Regression || has_choice {
+            return (self.run)(request);
+        }
+        request.shard = self.regression_shard.parse()?;
+        let mut verdict = (self.run)(request)?;
+        if request.shard != Shard::ALL {
+            verdict.remarks.insert(0, format!("shard {} of level regression", request.shard));
+        }
+        Ok(verdict)
+    }
 }
 
 const UNITS: &[&str] = &["crates/raypath-float/src", "crates/raypath-hdl/src", "crates/raypath-verify/src/units"];
@@ -47,6 +70,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "Berkeley SoftFloat, on the cases of Berkeley TestFloat",
         subject: UNITS,
         has_configuration: false,
+        regression_shard: "1/1",
         run: |request| units::testfloat(&Units::new(Format::BINARY32)?, &Units::with_flags(Format::BINARY32)?, request),
     },
     Item {
@@ -56,6 +80,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "the host's conversion to binary64, and the table of docs/reference/formats.md",
         subject: UNITS,
         has_configuration: false,
+        regression_shard: "1/1",
         run: |request| units::conversions(&Units::new(Format::BINARY32)?, request),
     },
     Item {
@@ -64,6 +89,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "LLVM's soft float, in the crate rustc_apfloat",
         subject: UNITS,
         has_configuration: false,
+        regression_shard: "1/1",
         run: |request| units::small_formats(&|format| Ok(Units::new(format)?), request),
     },
     Item {
@@ -73,6 +99,7 @@ pub const ITEMS: &[Item] = &[
             binary16; LLVM's soft float, in the crate rustc_apfloat, and the host's roots in small formats",
         subject: UNITS,
         has_configuration: false,
+        regression_shard: "1/1",
         run: |request| units::division(&Dividers::new, request),
     },
     Item {
@@ -83,6 +110,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "Yosys's symfpu, and a definition of sums on integers, by SAT (ABC)",
         subject: PROOFS,
         has_configuration: false,
+        regression_shard: "1/2",
         run: proofs::unit_proofs,
     },
     Item {
@@ -93,6 +121,7 @@ pub const ITEMS: &[Item] = &[
             the last one; the theorem of docs/development/verification.md composes them",
         subject: PROOFS,
         has_configuration: false,
+        regression_shard: "1/2",
         run: proofs::multiplication,
     },
     Item {
@@ -101,6 +130,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "Yosys's symfpu, by SAT (ABC), in 55 cases of the difference of exponents",
         subject: PROOFS,
         has_configuration: false,
+        regression_shard: "1/1",
         run: proofs::adder_proof,
     },
     Item {
@@ -115,6 +145,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/sat",
         ],
         has_configuration: false,
+        regression_shard: "1/1",
         run: gates::gates,
     },
     Item {
@@ -130,6 +161,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/sat",
         ],
         has_configuration: false,
+        regression_shard: "1/4",
         run: control::control,
     },
     Item {
@@ -147,6 +179,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/dataflow",
         ],
         has_configuration: true,
+        regression_shard: "1/5",
         run: dataflow::verify,
     },
     Item {
@@ -155,6 +188,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "which faces face the ray, and where it passes them, by exact arithmetic",
         subject: GEOMETRY,
         has_configuration: true,
+        regression_shard: "1/2",
         run: geometry::watertight::verify,
     },
     Item {
@@ -165,6 +199,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "exact arithmetic on integers times powers of two",
         subject: GEOMETRY,
         has_configuration: false,
+        regression_shard: "1/1",
         run: geometry::boxes::verify,
     },
     Item {
@@ -174,6 +209,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "exact arithmetic on integers times powers of two",
         subject: GEOMETRY,
         has_configuration: true,
+        regression_shard: "1/1",
         run: geometry::triangle_distances::verify,
     },
     Item {
@@ -182,6 +218,7 @@ pub const ITEMS: &[Item] = &[
         oracle: "exact arithmetic on integers times powers of two",
         subject: GEOMETRY,
         has_configuration: false,
+        regression_shard: "1/1",
         run: geometry::sums::verify,
     },
     Item {
@@ -204,6 +241,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/stimuli",
         ],
         has_configuration: true,
+        regression_shard: "1/2",
         run: |request| models::verify(request, Path::new(campaign::FOLDER)),
     },
     Item {
@@ -229,6 +267,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/stimuli",
         ],
         has_configuration: true,
+        regression_shard: "1/1",
         run: |request| campaign::verify(request, Path::new(campaign::FOLDER)),
     },
     Item {
@@ -252,6 +291,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/text_coverage",
         ],
         has_configuration: true,
+        regression_shard: "1/1",
         run: text_coverage::verify,
     },
     Item {
@@ -271,6 +311,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/reset",
         ],
         has_configuration: false,
+        regression_shard: "1/1",
         run: reset::verify,
     },
     Item {
@@ -289,6 +330,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/mutation",
         ],
         has_configuration: false,
+        regression_shard: "1/1",
         run: mutation::run,
     },
     Item {
@@ -306,6 +348,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/stimuli",
         ],
         has_configuration: false,
+        regression_shard: "1/1",
         run: operation_mutation::run,
     },
     Item {
@@ -325,6 +368,7 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/unit",
         ],
         has_configuration: false,
+        regression_shard: "1/3",
         run: unit::verify,
     },
     Item {
@@ -344,6 +388,56 @@ pub const ITEMS: &[Item] = &[
             "fuzz/corpus",
         ],
         has_configuration: false,
+        regression_shard: "1/1",
         run: parsers::run,
     },
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raypath_tools::parts::Parts;
+
+    /// An item that does nothing, and says which shard that was.
+    const ITEM: Item = Item {
+        name: "shards",
+        claim: "",
+        oracle: "",
+        subject: &[],
+        has_configuration: true,
+        regression_shard: "1/5",
+        run: |request| Ok(Verdict { covered: request.shard.to_string(), ..Verdict::default() }),
+    };
+
+    fn verified(change: impl FnOnce(&mut Request<'_>)) -> (String, Vec<String>) {
+        let watch = &mut |_| true;
+        let mut request = Request::new(watch);
+        change(&mut request);
+        let verdict = ITEM.verify(&mut request).expect("a verdict");
+        (verdict.covered, verdict.remarks)
+    }
+
+    #[test]
+    fn level_regression_does_its_part_and_says_so() {
+        let part = ("1/5".to_string(), vec!["shard 1/5 of level regression".to_string()]);
+        assert_eq!(verified(|_| ()), part);
+    }
+
+    #[test]
+    fn a_request_with_a_choice_and_other_levels_have_all_of_their_work() {
+        let whole = |shard: &str| (shard.to_string(), Vec::new());
+        assert_eq!(verified(|request| request.level = Level::Full), whole("1/1"));
+        assert_eq!(verified(|request| request.is_chosen = true), whole("1/1"));
+        assert_eq!(verified(|request| request.jobs = Some(9)), whole("1/1"));
+        assert_eq!(verified(|request| request.parts = Parts::saved()), whole("1/1"));
+        assert_eq!(verified(|request| request.shard = "2/3".parse().expect("a shard")), whole("2/3"));
+    }
+
+    #[test]
+    fn all_items_have_a_part_at_level_regression() {
+        for item in ITEMS {
+            let shard: Result<Shard, _> = item.regression_shard.parse();
+            assert!(shard.is_ok_and(|shard| shard.number() == 0), "{}", item.name);
+        }
+    }
+}

@@ -270,6 +270,7 @@ mod tests {
         oracle: "exact arithmetic",
         subject: &["subject.rs"],
         has_configuration: false,
+        regression_shard: "1/1",
         run: |_| unreachable!("this test does not run the item"),
     };
 

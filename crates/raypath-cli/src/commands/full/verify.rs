@@ -138,7 +138,7 @@ fn verify(
     let mut request = Request { config, added, is_chosen, level, jobs, seed, shard, parts, proceed: &mut watch };
     let verdict = match recorder {
         Some(recorder) => recorder.run(item, &mut request),
-        None => (item.run)(&mut request),
+        None => item.verify(&mut request),
     };
     // The verdict reports a stop, with the coverage so far.
     let parts = request.parts;
