@@ -31,6 +31,9 @@ cargo fmt --all --check
 step 'Clippy'
 # In the profile of the tests, so that macros and build scripts are compiled once.
 cargo clippy --workspace --all-targets --profile "$profile" --locked -- -D warnings
+# What `cargo run` compiles without `--features full`, and what a crate with an operation of its own compiles.
+cargo clippy --profile "$profile" --locked -- -D warnings
+cargo clippy --package raypath-cli --features workbench --profile "$profile" --locked -- -D warnings
 
 if "$quick"; then
   step 'Unit tests'

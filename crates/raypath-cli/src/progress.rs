@@ -46,6 +46,7 @@ impl Progress {
     }
 
     /// Sets the number of items. A new number begins another phase of the task, with a pace of its own.
+    #[cfg(feature = "full")]
     pub fn of(&mut self, total: usize) -> &mut Self {
         if self.total != total {
             (self.total, self.begin) = (total, Instant::now());
@@ -120,6 +121,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "full")]
     fn a_phase_counts_its_own_items() {
         let mut progress = Progress::new("unit", 108);
         let begin = progress.begin;
