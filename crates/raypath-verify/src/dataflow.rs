@@ -357,7 +357,17 @@ enum Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{ITEMS, Shard};
     use raypath_rtl::Lanes;
+
+    #[test]
+    fn level_regression_proves_the_default_configuration_and_refutes_a_fault() {
+        let item = ITEMS.iter().find(|item| item.name == "operations").expect("an item");
+        let shard: Shard = item.regression_shard.parse().expect("a shard");
+        assert_eq!(subjects::chosen(Level::Regression)[0].config, Config::DEFAULT);
+        // Faults come first.
+        assert!(shard.takes(0) && shard.takes(FAULTS.len() as u64), "{shard}");
+    }
 
     /// Otherwise an operation for which one question is too hard would have no proof.
     #[test]
