@@ -65,8 +65,8 @@ const GEOMETRY: &[&str] = &["crates/raypath-model/src", "crates/raypath-ops/src"
 pub const ITEMS: &[Item] = &[
     Item {
         name: "testfloat",
-        claim: "the units add, subtract, multiply and compare binary32 as IEEE 754 specifies, unsplit and split, and raise \
-            its exceptions",
+        claim: "the units add, subtract, multiply and compare binary32 as IEEE 754 specifies, unsplit and split, and \
+            raise its exceptions",
         oracle: "Berkeley SoftFloat, on the cases of Berkeley TestFloat",
         subject: UNITS,
         has_configuration: false,
@@ -75,8 +75,8 @@ pub const ITEMS: &[Item] = &[
     },
     Item {
         name: "conversions",
-        claim: "recoding loses no number of binary32, keeps their order and follows its table; every word of the classes \
-            zero, infinity and NaN is decoded by its class alone",
+        claim: "recoding loses no number of binary32, keeps their order and follows its table; every word of the \
+            classes zero, infinity and NaN is decoded by its class alone",
         oracle: "the host's conversion to binary64, and the table of docs/reference/formats.md",
         subject: UNITS,
         has_configuration: false,
@@ -150,8 +150,8 @@ pub const ITEMS: &[Item] = &[
     },
     Item {
         name: "control",
-        claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for each \
-            beat",
+        claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for \
+            each beat",
         oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units",
         subject: &[
             "crates/raypath-hdl/src",
@@ -168,8 +168,8 @@ pub const ITEMS: &[Item] = &[
         name: "operations",
         claim: "the emitted pipeline computes each operation, for all values of its inputs and states, if its units \
             compute theirs",
-        oracle: "the operation's function over terms, by SMT (Z3), with the emitted SystemVerilog as Yosys reads it; units \
-            may be any functions with the laws that docs/development/verification.md lists",
+        oracle: "the operation's function over terms, by SMT (Z3), with the emitted SystemVerilog as Yosys reads it; \
+            units may be any functions with the laws that docs/development/verification.md lists",
         subject: &[
             "crates/raypath-hdl/src",
             "crates/raypath-ops/src",
@@ -193,9 +193,9 @@ pub const ITEMS: &[Item] = &[
     },
     Item {
         name: "boxes",
-        claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does not, \
-            and tmin has an error of at most three roundings; with rules bounds and 8 to 24 bits, no box that the ray \
-            enters is missed, and tmin is a lower bound",
+        claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does \
+            not, and tmin has an error of at most three roundings; with rules bounds and 8 to 24 bits, no box that the \
+            ray enters is missed, and tmin is a lower bound",
         oracle: "exact arithmetic on integers times powers of two",
         subject: GEOMETRY,
         has_configuration: false,
@@ -226,8 +226,8 @@ pub const ITEMS: &[Item] = &[
         claim: "the functional model's outcomes are those that docs/reference defines, to the bit, and the cycle-exact \
             model has the same outcomes, in order, for every preset, number of lanes, rule set, feature and added \
             operation, and formats up to (11,24)",
-        oracle: "the same operations written once more from the text, in exact arithmetic rounded once; for most jobs of \
-            the default configuration in binary64 rounded once, which is compared with the exact one",
+        oracle: "the same operations written once more from the text, in exact arithmetic rounded once; for most jobs \
+            of the default configuration in binary64 rounded once, which is compared with the exact one",
         subject: &[
             "crates/raypath-model/src",
             "crates/raypath-ops/src",
@@ -246,9 +246,9 @@ pub const ITEMS: &[Item] = &[
     },
     Item {
         name: "campaign",
-        claim: "netlist, cycle-exact model and functional model agree at all ports in every cycle, for random jobs and any \
-            behaviour of source, sink and reset, and every coverage point that can be reached is hit; at level full \
-            for every preset, number of lanes, rule set, feature and added operation, and formats up to (11,24)",
+        claim: "netlist, cycle-exact model and functional model agree at all ports in every cycle, for random jobs and \
+            any behaviour of source, sink and reset, and every coverage point that can be reached is hit; at level \
+            full for every preset, number of lanes, rule set, feature and added operation, and formats up to (11,24)",
         oracle: "the cycle-exact and the functional model, which share the operations' functions with the netlist, but \
              neither units nor control",
         subject: &[
@@ -272,8 +272,8 @@ pub const ITEMS: &[Item] = &[
     },
     Item {
         name: "text-coverage",
-        claim: "the stimuli of campaigns execute 99 % of the lines and branches of the emitted SystemVerilog, and toggle \
-            99 % of its bits, without what is proved to be out of reach; at level full for every preset, flow \
+        claim: "the stimuli of campaigns execute 99 % of the lines and branches of the emitted SystemVerilog, and \
+            toggle 99 % of its bits, without what is proved to be out of reach; at level full for every preset, flow \
             control, sharing, interval, unit latency, encoding, rule set, feature and added operation, and for the \
             traversal units of their campaign",
         oracle: "Verilator's counters, while its outputs are those of the cycle-exact model; runs that leave out an \
@@ -296,8 +296,8 @@ pub const ITEMS: &[Item] = &[
     },
     Item {
         name: "reset",
-        claim: "after a reset nothing unknown leaves a port that has a meaning, whatever registers, memories and inputs \
-            without meaning hold; outcomes are those of the models",
+        claim: "after a reset nothing unknown leaves a port that has a meaning, whatever registers, memories and \
+            inputs without meaning hold; outcomes are those of the models",
         oracle: "simulation of the emitted SystemVerilog with unknown values, by Yosys and Icarus Verilog; the \
             cycle-exact and the functional model",
         subject: &[
@@ -317,7 +317,8 @@ pub const ITEMS: &[Item] = &[
     Item {
         name: "mutation",
         claim: "the regression tests kill at least 99 % of the faults in the netlist that are not proven equivalent",
-        oracle: "the checks that the regression tests make: units against the host's f32, the datapath against its models",
+        oracle: "the checks that the regression tests make: units against the host's f32, the datapath against its \
+            models",
         subject: &[
             "crates/raypath-float/src",
             "crates/raypath-hdl/src",
@@ -336,8 +337,10 @@ pub const ITEMS: &[Item] = &[
     Item {
         name: "operation-mutation",
         claim: "an oracle that does not come from the operations' source finds at least 99 % of the faults in their \
-            dataflow that are not proven equivalent, so that a fault that netlist and models share does not stay hidden",
-        oracle: "docs/reference, in exact arithmetic with one rounding for each operation; equivalence by an SMT solver",
+            dataflow that are not proven equivalent, so that a fault that netlist and models share does not stay \
+            hidden",
+        oracle: "docs/reference, in exact arithmetic with one rounding for each operation; equivalence by an SMT \
+            solver",
         subject: &[
             "crates/raypath-ops/src",
             "crates/raypath-verify/src/operation_mutation.rs",
@@ -353,8 +356,8 @@ pub const ITEMS: &[Item] = &[
     },
     Item {
         name: "unit",
-        claim: "the traversal unit loses, repeats and mixes up no ray, and its netlist returns what the functional model \
-            does, for any memory, any users of the channels and resets",
+        claim: "the traversal unit loses, repeats and mixes up no ray, and its netlist returns what the functional \
+            model does, for any memory, any users of the channels and resets",
         oracle: "proofs by Yosys and ABC of the emitted SystemVerilog of each module, with properties of queues; the \
             functional model, which shares the functions of a step with the netlist, but neither units nor control",
         subject: &[

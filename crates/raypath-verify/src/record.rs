@@ -93,7 +93,8 @@ impl Recorder {
         })
     }
 
-    /// Runs an item and writes its record, which replaces an earlier one of the item. A stopped run writes none.
+    /// Runs all of an item's work and writes its record, which replaces an earlier one of the item. A stopped run
+    /// writes none.
     ///
     /// # Errors
     /// The item cannot run, the repository of this program's sources is missing, or a file cannot be written.

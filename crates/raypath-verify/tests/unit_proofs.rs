@@ -1,5 +1,5 @@
-//! Proofs of units: a multiplication, and claims about faulty units, which are refuted. The items `unit-proofs` and
-//! `multiplication` prove the others.
+//! Proofs of units: both multiplications of binary32, of which level `regression` proves one, and claims about faulty
+//! units, which are refuted. The item `unit-proofs` proves the others.
 
 use raypath_float::Format;
 use raypath_verify::Request;
@@ -25,18 +25,17 @@ fn solve(problem: Miter) -> Result<Vec<ProofResult>, raypath_verify::Error> {
     Prover::find()?.solve(&[problem], LIMIT, &AtomicBool::new(false))
 }
 
-/// The multiplier of binary32 with `*`, with a fault for each lemma. At level `regression` the item `multiplication`
-/// proves that of gates.
+/// The multipliers of binary32, of gates and with `*`, with a fault for each lemma.
 #[test]
 fn multiplication_of_binary32_is_proved() {
     let mut watch = |_| true;
-    let shard = "2/2".parse().unwrap();
-    let verdict = multiplication(&mut Request { shard, ..Request::new(&mut watch) }).unwrap();
+    let verdict = multiplication(&mut Request::new(&mut watch)).unwrap();
     assert_eq!(verdict.failures, [""; 0]);
-    let expected = "1 theorems, and 5 faults refuted: multiplication with * at (8,24) by 5 lemmas";
+    let expected = "2 theorems, and 25 faults refuted: multiplication at (8,24) by 20 lemmas; multiplication with * at \
+                    (8,24) by 5 lemmas";
     assert_eq!(verdict.covered, expected);
-    let certified = "5 proofs repeated by CaDiCaL, each step of their certificates checked";
-    assert_eq!((verdict.remarks.len(), verdict.remarks[1].as_str()), (7, certified), "{:#?}", verdict.remarks);
+    let certified = "25 proofs repeated by CaDiCaL, each step of their certificates checked";
+    assert_eq!((verdict.remarks.len(), verdict.remarks[1].as_str()), (27, certified), "{:#?}", verdict.remarks);
     assert!(!verdict.is_stopped);
 }
 
