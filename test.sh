@@ -67,9 +67,6 @@ step 'Verification'
 # The program that the tests were made with: `cargo run` would compile it once more, without the feature `full`.
 "${CARGO_TARGET_DIR:-target}/$profile/raypath" verify --level "$level"
 
-step 'Records that are stale'
-"${CARGO_TARGET_DIR:-target}/$profile/raypath" verify --stale docs/records
-
 step 'Fuzzing'
 # At level full an hour in all, on two cores.
 if [ "$level" = full ]; then fuzz/run.sh --whole 260; else fuzz/run.sh 2; fi

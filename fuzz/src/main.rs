@@ -7,7 +7,7 @@
 mod calls;
 
 use libfuzzer_sys::fuzz_target;
-use raypath_verify::parsers::TARGETS;
+use raypath_fuzz::TARGETS;
 use std::sync::OnceLock;
 
 static TARGET: OnceLock<fn(&[u8]) -> bool> = OnceLock::new();

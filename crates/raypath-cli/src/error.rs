@@ -83,7 +83,7 @@ macro_rules! unusable {
     )*};
 }
 
-unusable!(InputError, FileError, raypath_hdl::Error, raypath_unit::UnitError);
+unusable!(InputError, FileError, raypath_hdl::Error, raypath_traversal::UnitError);
 
 #[cfg(feature = "full")]
-unusable!(raypath_wave::WaveError);
+unusable!(raypath_hdl::wave::WaveError);

@@ -13,7 +13,7 @@ pub enum Error {
     Elaboration(#[from] raypath_rtl::Error),
     /// A traversal unit that cannot be built.
     #[error(transparent)]
-    Unit(#[from] raypath_unit::UnitError),
+    Unit(#[from] raypath_traversal::UnitError),
     /// A datapath without the operation.
     #[error("'{name}' is not an operation of this datapath, expected {expected}")]
     Operation {

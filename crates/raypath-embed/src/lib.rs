@@ -24,5 +24,5 @@ pub use pipeline::Pipeline;
 pub use raypath_model::Words;
 pub use raypath_ops::RayError;
 pub use raypath_sim::OperationId;
-pub use raypath_unit::{BlockRequest, Response, UnitCounts};
+pub use raypath_traversal::{BlockRequest, Response, UnitCounts};
 pub use unit::{Unit, UnitHit, UnitInputs, UnitModel, UnitOutputs, UnitRay};

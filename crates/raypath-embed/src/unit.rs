@@ -11,8 +11,8 @@ pub use model::{UnitInputs, UnitModel, UnitOutputs};
 use raypath_rtl::Config;
 use raypath_sim::configuration;
 use raypath_sim::files::{in_folder, write_all};
-use raypath_unit::system::{MemoryParameters, SystemTiming, simulate};
-use raypath_unit::{self as unit, UnitNetlist, UnitParameters};
+use raypath_traversal::system::{MemoryParameters, SystemTiming, simulate};
+use raypath_traversal::{self as unit, UnitNetlist, UnitParameters};
 use std::path::Path;
 use user::List;
 
@@ -22,7 +22,7 @@ use user::List;
 /// ```
 /// use raypath_embed::{Unit, UnitHit, UnitRay};
 /// use raypath_ops::Triangle;
-/// use raypath_unit::blocks::{Child, LeafTriangle, NodeKind};
+/// use raypath_traversal::blocks::{Child, LeafTriangle, NodeKind};
 ///
 /// let unit = Unit::open("contexts = 8\npreset = \"compact\"")?;
 /// let triangle = Triangle::new([-1.0, -1.0, 3.0], [0.0, 1.0, 3.0], [1.0, -1.0, 3.0]);

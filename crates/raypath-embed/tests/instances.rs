@@ -1,13 +1,13 @@
-//! Rays through scenes of two levels: the hits of the functional model of `raypath-unit`, by both models of this
+//! Rays through scenes of two levels: the hits of the functional model of `raypath-traversal`, by both models of this
 //! interface.
 
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_embed::{Unit, UnitHit, UnitRay};
-use raypath_unit::state::NO_INSTANCE;
-use raypath_unit::system::MemoryParameters;
-use raypath_unit::traffic::{TwoLevelScene, random_ray};
-use raypath_unit::{RayRequest, Unit as Functional};
+use raypath_traversal::state::NO_INSTANCE;
+use raypath_traversal::system::MemoryParameters;
+use raypath_traversal::traffic::{TwoLevelScene, random_ray};
+use raypath_traversal::{RayRequest, Unit as Functional};
 
 const MEMORY: MemoryParameters = MemoryParameters { latency: 30, bandwidth: None, cache: None };
 

@@ -39,6 +39,8 @@ mod ram;
 mod simulator;
 pub mod text;
 pub mod verilog;
+#[cfg(feature = "wave")]
+pub mod wave;
 
 pub use builder::memory::Memory;
 pub use builder::{Builder, Forward, Register, Wire};

@@ -10,3 +10,4 @@ mod operators;
 mod random_netlists;
 mod registers;
 mod verilog;
+mod waves;

@@ -10,8 +10,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use raypath_embed::{self as embed, UnitHit, UnitRay, Vertices};
 use raypath_render::{Mesh, Placement, Scene};
-use raypath_unit::UnitParameters;
-use raypath_unit::system::{CacheParameters, MemoryParameters};
+use raypath_traversal::UnitParameters;
+use raypath_traversal::system::{CacheParameters, MemoryParameters};
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -4,12 +4,12 @@ use crate::bvh::{Bvh4, Node, Reference, Target, padded};
 use crate::mesh::Bounds;
 use crate::placement::Placement;
 use raypath_ops::{Aabb, Binary32, Ray};
-use raypath_unit::blocks::quantised::BoxError;
-use raypath_unit::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBlock, NodeKind};
-use raypath_unit::{RayRequest, UnitFeatures};
+use raypath_traversal::blocks::quantised::BoxError;
+use raypath_traversal::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBlock, NodeKind};
+use raypath_traversal::{RayRequest, UnitFeatures};
 use thiserror::Error;
 
-/// A scene in memory: the blocks of [`raypath_unit::blocks`] from address 0 on. The nodes come first, the root at 0.
+/// A scene in memory: the blocks of [`raypath_traversal::blocks`] from address 0 on. The nodes come first, the root at 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Blocks {
     bytes: Vec<u8>,

@@ -7,7 +7,7 @@
 use crate::mesh::{Bounds, Mesh};
 use crate::read::{ReadError, parse_lines, text};
 use crate::vector::{Vector, add, cross, dot, scale, vector};
-use raypath_unit::Instance;
+use raypath_traversal::Instance;
 use std::path::Path;
 use thiserror::Error;
 

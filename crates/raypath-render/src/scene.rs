@@ -4,7 +4,7 @@ use crate::blocks::{Blocks, BlocksError};
 use crate::bvh::{Bvh4, MeshTooLarge};
 use crate::mesh::{Bounds, Mesh};
 use crate::placement::Placement;
-use raypath_unit::blocks::NodeKind;
+use raypath_traversal::blocks::NodeKind;
 use thiserror::Error;
 
 /// The default reach in units of the longest side of the mesh.

@@ -15,7 +15,7 @@ use raypath_ops::{Binary32, Job, Ray, Rules};
 use raypath_timing::{
     Observer, Progress, Sample, SimulationError, Sweep, System, Timing, accepted_jobs, simulate, sweep,
 };
-use raypath_unit::blocks::NodeKind;
+use raypath_traversal::blocks::NodeKind;
 use sequence::{ResultStore, SingleRay};
 use thiserror::Error;
 pub use unit::{UnitSystem, time_picture_through_unit, time_rays_through_unit};

@@ -8,9 +8,9 @@ use raypath_render::{
     Hit, Mesh, PictureError, RayBatch, Scene, Tracing, UnitSystem, time_rays_through_unit, trace_closest,
 };
 use raypath_timing::Sample;
-use raypath_unit::blocks::NodeKind;
-use raypath_unit::system::MemoryParameters;
-use raypath_unit::{StepParameters, UnitParameters};
+use raypath_traversal::blocks::NodeKind;
+use raypath_traversal::system::MemoryParameters;
+use raypath_traversal::{StepParameters, UnitParameters};
 
 fn bits(hits: &[Option<Hit>]) -> Vec<Option<(u32, [u32; 3], bool)>> {
     let bits = |hit: Hit| (hit.triangle, [hit.t, hit.t_num, hit.t_denom].map(f32::to_bits), hit.from_behind);

@@ -14,8 +14,8 @@ use raypath_render::{
     time_picture_through_unit, time_rays_through_unit, trace_any, trace_closest,
 };
 use raypath_timing::Sample;
-use raypath_unit::system::{CacheParameters, MemoryParameters};
-use raypath_unit::{RayRequest, StepParameters, Unit, UnitParameters};
+use raypath_traversal::system::{CacheParameters, MemoryParameters};
+use raypath_traversal::{RayRequest, StepParameters, Unit, UnitParameters};
 
 /// Hits of front faces are the same in every bit.
 #[test]

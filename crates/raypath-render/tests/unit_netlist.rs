@@ -6,8 +6,10 @@ use crate::common::rays::{Kind, rays};
 use raypath_render::{Mesh, Scene};
 use raypath_rtl::Config;
 use raypath_tools::{Options, Sources, ToolError, Verilated};
-use raypath_unit::traffic::{Behaviour, Environment, Recorder};
-use raypath_unit::{NetlistEngine, RayRequest, Unit, UnitModel, UnitNetlist, UnitOutputs, UnitParameters, outputs_of};
+use raypath_traversal::traffic::{Behaviour, Environment, Recorder};
+use raypath_traversal::{
+    NetlistEngine, RayRequest, Unit, UnitModel, UnitNetlist, UnitOutputs, UnitParameters, outputs_of,
+};
 use std::sync::mpsc;
 
 #[test]

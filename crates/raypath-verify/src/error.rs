@@ -18,13 +18,17 @@ pub enum Error {
     /// A module cannot be built or compiled.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),
-    /// A unit cannot be synthesised.
+    /// What is verified cannot be built.
     #[error(transparent)]
-    Synthesis(#[from] raypath_ppa::Error),
-    /// A traversal unit cannot be built.
-    #[error(transparent)]
-    Unit(#[from] raypath_unit::UnitError),
+    Subject(Box<dyn std::error::Error + Send + Sync>),
     /// A text names no shard.
     #[error(transparent)]
     Shard(#[from] raypath_tools::pool::ShardError),
+}
+
+impl Error {
+    /// The error of a crate whose errors have no variant here.
+    pub fn subject(problem: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Subject(Box::new(problem))
+    }
 }

@@ -38,7 +38,7 @@ impl<'a> Request<'a> {
     }
 
     /// The shard's part of `total` cases, in pieces of `piece`.
-    pub(crate) fn cases(&self, total: u64, piece: u64) -> Cases {
+    pub fn cases(&self, total: u64, piece: u64) -> Cases {
         Cases { total, piece, shard: self.shard }
     }
 }

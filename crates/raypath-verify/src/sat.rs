@@ -9,7 +9,7 @@ mod certificate;
 
 use crate::error::Error;
 use aiger::Aiger;
-pub(crate) use aiger::header;
+pub use aiger::header;
 pub use certificate::Certificate;
 use certificate::Certifier;
 use raypath_tools::{Abc, ToolError, Yosys, YosysKind, read, temporary_folder, write};

@@ -2,8 +2,8 @@
 
 use raypath_hdl::mutate::faults;
 use raypath_hdl::{Builder, Module, expand_memories, verilog};
-use raypath_verify::control::{CheckResult, Method, ModelChecker, SafetyProblem};
 use raypath_verify::equivalence::Equivalence;
+use raypath_verify::safety::{CheckResult, Method, ModelChecker, SafetyProblem};
 use raypath_verify::sat::Prover;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -10,7 +10,7 @@ use raypath::rtl::{
 use raypath::sim::Datapath;
 use raypath::sim::engine::NetlistEngine;
 use raypath::sim::lockstep::RegressionChecks;
-use raypath_verify::mutation::CONFIGS;
+use raypath_verify_mutation::mutation::CONFIGS;
 use std::path::Path;
 
 /// A set of configurations: all combinations of these values.

@@ -9,7 +9,6 @@ mod isolation;
 mod layout;
 mod peers;
 mod recorded;
-mod records;
 mod semantics;
 mod tables;
 mod verilator;

@@ -26,4 +26,4 @@ mod original_faults;
 mod rounding;
 mod timing;
 
-use raypath_verify::oracle::quick as oracle;
+use raypath_verify_datapath::oracle::quick as oracle;

@@ -4,7 +4,7 @@ use crate::CliError;
 use clap::builder::PossibleValuesParser;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
-use raypath_unit::{UnitParameter, UnitParameters};
+use raypath_traversal::{UnitParameter, UnitParameters};
 
 /// The parameters of the unit around the datapath, each in its range.
 #[derive(Debug)]

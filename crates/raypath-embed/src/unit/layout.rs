@@ -1,8 +1,8 @@
 //! Rays and hits of the unit as other languages have them in memory. Each structure has the layout of the C structure
 //! `raypath_unit_…` of the same name.
 
-use raypath_unit::state::NO_INSTANCE;
-use raypath_unit::{RayRequest, Reply};
+use raypath_traversal::state::NO_INSTANCE;
+use raypath_traversal::{RayRequest, Reply};
 
 /// A ray as the traversal unit takes it, 44 bytes. The members are the ports of the ray's channel.
 #[repr(C)]

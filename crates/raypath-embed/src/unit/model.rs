@@ -3,7 +3,7 @@
 use super::Unit;
 use super::layout::{UnitHit, UnitRay};
 use crate::Error;
-use raypath_unit::{self as unit, BlockRequest, Response, UnitCounts, UnitEngine, UnitParameters};
+use raypath_traversal::{self as unit, BlockRequest, Response, UnitCounts, UnitEngine, UnitParameters};
 
 /// The cycle-exact model of a unit. In every cycle its outputs are those of the hardware.
 ///

@@ -1,8 +1,8 @@
 //! The user of a simulated unit: a list of rays.
 
 use super::layout::{UnitHit, UnitRay};
-use raypath_unit::system::RayUser;
-use raypath_unit::{RayRequest, Reply};
+use raypath_traversal::system::RayUser;
+use raypath_traversal::{RayRequest, Reply};
 
 /// Rays that are sent in order, with the places of their hits.
 pub struct List<'l> {

@@ -8,8 +8,8 @@ use image::Rgb;
 use raypath_model::Shape;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, Sample};
-use raypath_unit::system::{MemoryParameters, RayUser, SystemTiming, simulate};
-use raypath_unit::{RayRequest, Reply, UnitParameters};
+use raypath_traversal::system::{MemoryParameters, RayUser, SystemTiming, simulate};
+use raypath_traversal::{RayRequest, Reply, UnitParameters};
 use std::collections::VecDeque;
 
 /// A simulated system: a traversal unit and its memory.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use raypath_model::SimdKernels;
 use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rounding, Rules};
 use raypath_timing::{Progress, ProgressCounter};
-use raypath_unit::{StepParameters, Unit};
+use raypath_traversal::{StepParameters, Unit};
 
 /// The number of rays in a unit of parallel work.
 const BATCH: usize = 4096;
@@ -128,10 +128,10 @@ impl<'s> Tracer<'s> {
     }
 }
 
-impl From<raypath_unit::Hit> for Hit {
+impl From<raypath_traversal::Hit> for Hit {
     /// The numerator and the denominator of a back face are negative in the unit, which tests both faces in one job.
-    fn from(hit: raypath_unit::Hit) -> Self {
-        let raypath_unit::Hit { triangle, t, t_num, t_denom, back_face, instance, .. } = hit;
+    fn from(hit: raypath_traversal::Hit) -> Self {
+        let raypath_traversal::Hit { triangle, t, t_num, t_denom, back_face, instance, .. } = hit;
         let (t_num, t_denom) = if back_face { (-t_num, -t_denom) } else { (t_num, t_denom) };
         Self { triangle, from_behind: back_face, t_num, t_denom, t, instance }
     }

@@ -7,8 +7,8 @@ use raypath::ops::Culling;
 use raypath::oracle::added_operation;
 use raypath::rtl::{Config, Control, Datapath, Lanes};
 use raypath::sim::engine::shape;
-use raypath_verify::campaign::verify_module;
 use raypath_verify::{Request, Verdict};
+use raypath_verify_datapath::campaign::verify_module;
 use std::path::Path;
 use std::sync::Arc;
 

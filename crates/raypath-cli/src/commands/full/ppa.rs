@@ -12,7 +12,7 @@ pub use power::picture;
 use raypath_ppa::{Baseline, Design, PowerResults, Report, charts, tables};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::files::write_all;
-use raypath_unit::UnitNetlist;
+use raypath_traversal::UnitNetlist;
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@ use crate::CliError;
 use crate::commands::full::render::Shown;
 use crate::commands::full::write_and_name;
 use clap::Args;
-use raypath_unit::blocks::NodeKind;
+use raypath_traversal::blocks::NodeKind;
 use std::io::Write;
 use std::path::PathBuf;
 

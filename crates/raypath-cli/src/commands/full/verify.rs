@@ -6,8 +6,7 @@ use crate::{CliError, DatapathArguments, whole};
 use clap::Args;
 use raypath_rtl::Config;
 use raypath_tools::parts::Parts;
-use raypath_verify::record::{Record, Recorder, root, stale};
-use raypath_verify::{ITEMS, Item, Level, Request, Verdict};
+use raypath_verify::{Item, Level, Request, Verdict};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -21,9 +20,6 @@ pub struct Arguments {
     /// List the items with their claims and oracles, and do nothing
     #[arg(long)]
     list: bool,
-    /// List the items whose record in this folder is missing or stale, and do nothing
-    #[arg(long, value_name = "DIR", conflicts_with = "list")]
-    stale: Option<PathBuf>,
     /// The effort: seconds for each item, minutes for each item, or hours
     #[arg(long, default_value = "regression", value_name = "regression|full|long")]
     level: Level,
@@ -33,17 +29,28 @@ pub struct Arguments {
     /// Seed of all random choices
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
-    /// Write a record of each run, with commit, versions, time and result, as JSON into this folder
-    #[arg(long, value_name = "DIR")]
-    record: Option<PathBuf>,
+    /// Write commit, versions of programs, and the work, time and verdict of each item to this file, as JSON
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     division: DivisionArguments,
     #[command(flatten)]
     datapath: DatapathArguments,
 }
 
+/// All items, in the order in which they run.
+fn items() -> impl Iterator<Item = &'static Item> {
+    let parts = [
+        raypath_verify_arithmetic::ITEMS,
+        raypath_verify_datapath::ITEMS,
+        raypath_verify_traversal::ITEMS,
+        raypath_verify_mutation::ITEMS,
+    ];
+    parts.into_iter().flatten()
+}
+
 fn item(name: &str) -> Result<&'static str, String> {
-    let names: Vec<&str> = ITEMS.iter().map(|item| item.name).collect();
+    let names: Vec<&str> = items().map(|item| item.name).collect();
     names.iter().find(|known| **known == name).copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
@@ -54,24 +61,17 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     if arguments.list {
         return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(CliError::from);
     }
-    if let Some(folder) = &arguments.stale {
-        let items: Vec<Item> = chosen.into_iter().copied().collect();
-        let lines = Record::read_all(folder).and_then(|records| stale(&items, &records, &root()));
-        return lines.map_err(CliError::unusable)?.iter().try_for_each(|line| Ok(writeln!(out, "{line}")?));
-    }
     let Arguments { level, seed, .. } = arguments;
     let jobs = arguments.jobs.map_or(String::new(), |jobs| format!(", {jobs} jobs"));
     let mut division =
         arguments.division.begin(format!("verify, level {}, seed {seed}{jobs}, {name}", level.name()))?;
     writeln!(out, "Level {}, seed {seed}, shard {}.", level.name(), arguments.division.shard)?;
-    let recorder = arguments.record.as_deref().map(Recorder::new).transpose();
-    let recorder = recorder.map_err(|problem| CliError::unusable(problem.to_string()))?;
     let (mut wrong, mut not_run) = (Vec::new(), Vec::new());
     for item in chosen {
         describe(item, out)?;
         out.flush()?;
         let begin = Instant::now();
-        match verify(item, arguments, config, &division, recorder.as_ref()) {
+        match verify(item, arguments, config, &division) {
             Ok((verdict, parts)) => {
                 let seconds = parts.seconds().unwrap_or(begin.elapsed().as_secs_f64());
                 report(&verdict, seconds, out)?;
@@ -104,9 +104,9 @@ fn chosen(arguments: &Arguments) -> Result<Vec<&'static Item>, CliError> {
     let named = &arguments.items;
     let is_named = |item: &&Item| named.is_empty() || named.contains(&item.name);
     if arguments.datapath.is_default() {
-        return Ok(ITEMS.iter().filter(is_named).collect());
+        return Ok(items().filter(is_named).collect());
     }
-    let (dependent, others): (Vec<&Item>, Vec<&Item>) = ITEMS.iter().partition(|item| item.has_configuration);
+    let (dependent, others): (Vec<&Item>, Vec<&Item>) = items().partition(|item| item.has_configuration);
     if let Some(Item { name, .. }) = others.iter().find(|item| named.contains(&item.name)) {
         let dependent: Vec<&str> = dependent.iter().map(|item| item.name).collect();
         let dependent = dependent.join(", ");
@@ -122,7 +122,6 @@ fn verify(
     arguments: &Arguments,
     config: Config,
     division: &Division,
-    recorder: Option<&Recorder>,
 ) -> Result<(Verdict, Parts), CliError> {
     let parts = division.parts(item.name)?;
     let mut progress: Option<progress::Progress> = None;
@@ -136,10 +135,7 @@ fn verify(
     let added = arguments.datapath.specs.iter().map(|spec| spec.name().to_string()).collect();
     let is_chosen = !arguments.datapath.is_default();
     let mut request = Request { config, added, is_chosen, level, jobs, seed, shard, parts, proceed: &mut watch };
-    let verdict = match recorder {
-        Some(recorder) => recorder.run(item, &mut request),
-        None => item.verify(&mut request),
-    };
+    let verdict = (item.run)(&mut request);
     // The verdict reports a stop, with the coverage so far.
     let parts = request.parts;
     let _ = progress.map(|progress| progress.finish(reached));

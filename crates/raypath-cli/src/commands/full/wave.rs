@@ -7,10 +7,10 @@ use crate::commands::unit::UnitArguments;
 use crate::{CliError, DatapathArguments, Progress, whole};
 use clap::Args;
 use raypath_hdl::Simulator;
+use raypath_hdl::wave::{WaveError, WaveWriter};
 use raypath_rtl::UnitKind;
 use raypath_sim::Words;
 use raypath_sim::engine::{Engine, NetlistEngine, Shown, drive};
-use raypath_wave::{WaveError, WaveWriter};
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -8,8 +8,8 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
 use raypath_sim::files::{in_folder, write_all};
-use raypath_unit::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
-use raypath_unit::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
+use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
+use raypath_traversal::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
 use std::io::Write;
 use std::time::Instant;
 

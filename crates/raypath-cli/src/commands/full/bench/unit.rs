@@ -6,9 +6,9 @@ use raypath_model::Shape;
 use raypath_render::{Camera, Scene, builtin};
 use raypath_rtl::Config;
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
-use raypath_unit::system::{MemoryParameters, RayUser, simulate};
-use raypath_unit::traffic::{Behaviour, Environment, Recorder};
-use raypath_unit::{RayRequest, Reply, UnitModel, UnitNetlist, UnitParameters};
+use raypath_traversal::system::{MemoryParameters, RayUser, simulate};
+use raypath_traversal::traffic::{Behaviour, Environment, Recorder};
+use raypath_traversal::{RayRequest, Reply, UnitModel, UnitNetlist, UnitParameters};
 
 /// The size of the picture whose rays are traced.
 const SIZE: (u32, u32) = (160, 120);

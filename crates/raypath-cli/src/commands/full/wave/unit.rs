@@ -4,10 +4,10 @@ use super::{Arguments, Samples, is_of_interest};
 use crate::{CliError, Progress};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
+use raypath_hdl::wave::WaveWriter;
 use raypath_rtl::UnitKind;
-use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
-use raypath_unit::{NetlistEngine, RayRequest, UnitEngine, UnitInputs, UnitNetlist, UnitOutputs};
-use raypath_wave::WaveWriter;
+use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, random_ray};
+use raypath_traversal::{NetlistEngine, RayRequest, UnitEngine, UnitInputs, UnitNetlist, UnitOutputs};
 use std::io::Write;
 
 /// The triangles of the random scene.

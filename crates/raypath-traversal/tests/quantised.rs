@@ -1,0 +1,310 @@
+//! Units with quantised nodes: their layout, their hits, and their hardware.
+
+use crate::common::{along_z, at};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_model::Shape;
+use raypath_ops::{Aabb, Binary32, Rules};
+use raypath_rtl::{Config, Control};
+use raypath_tools::{Options, Sources, Verilated};
+use raypath_traversal::blocks::{Node, NodeKind};
+use raypath_traversal::traffic::{Behaviour, BlockScene as Scene, Environment, Recorder, random_ray as ray};
+use raypath_traversal::{
+    BlockRequest, NetlistEngine, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitFeatures,
+    UnitInputs, UnitModel, UnitNetlist, UnitParameters, outputs_of,
+};
+
+const NODE: NodeKind = NodeKind::Quantised;
+const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
+
+/// The bounds of a box in the order of memory.
+fn bounds(Aabb { x, y, z }: Aabb<Binary32>) -> [f32; 6] {
+    [x.min, y.min, z.min, x.max, y.max, z.max].map(f32::from)
+}
+
+/// A bound by the document, in binary64: it has more than twice the digits of binary32, so that its sum, rounded once
+/// more, is the correctly rounded one.
+fn bound(block: &[u8; 64], child: usize, place: usize) -> f32 {
+    let axis = place % 3;
+    let base = f32::from_le_bytes(std::array::from_fn(|k| block[4 * axis + k]));
+    let (exponent, q) = (i32::from(block[12 + axis]), f64::from(block[16 + 6 * child + place]));
+    (f64::from(base) + 2.0_f64.powi(exponent - 127) * (1.0 + q / 256.0)) as f32
+}
+
+/// An interval of one of many magnitudes, at most half of the greatest number wide.
+fn interval(centre: f32, random: &mut ChaCha8Rng) -> [f32; 2] {
+    let mut number = |least: i32, greatest: i32| {
+        let power = 2.0_f64.powi(random.random_range(least..=greatest));
+        (random.random_range(-1.0..1.0) * power) as f32
+    };
+    let [a, b] = match number(0, 0) {
+        wide if wide > 0.5 => [centre + number(-149, 124), centre + number(-149, 124)],
+        near if near > -0.5 => [centre, centre * (1.0 + number(-24, 0))],
+        _ => [centre; 2],
+    };
+    let within = |x: f32| x.clamp(-f32::MAX / 4.0, f32::MAX / 4.0);
+    [within(a.min(b)), within(a.max(b))]
+}
+
+#[test]
+fn boxes_are_contained_and_tight() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let special = [0.0, -0.0, f32::MIN_POSITIVE, f32::from_bits(1), -f32::from_bits(1), 1.0, -1.0, 1e38, -8e37];
+    for _ in 0..20_000 {
+        let centre: f32 = match random.random_range(0..4) {
+            0 => special[random.random_range(0..special.len())],
+            1 => f32::from_bits(random.random::<u32>() & !0x4000_0000),
+            _ => random.random_range(-100.0..100.0),
+        };
+        let count = random.random_range(0..5);
+        let mut slab = || interval(centre, &mut random);
+        let boxes = std::array::from_fn(|_| {
+            let [[a, d], [b, e], [c, f]] = [slab(), slab(), slab()];
+            Aabb::new([a, b, c], [d, e, f])
+        });
+        let children = std::array::from_fn(|child| if child < count { 0x1000 + 64 * child as u32 + 1 } else { 0 });
+        let block = Node { boxes, children }.to_quantised_bytes().expect("boxes within a quarter");
+        let node = Node::of_quantised(&block);
+        assert_eq!(node.children, children);
+        for child in 0..4 {
+            let (given, found) = (bounds(boxes[child]), bounds(node.boxes[child]));
+            if child >= count {
+                assert_eq!((&found[..3], &found[3..]), (&[f32::INFINITY; 3][..], &[f32::NEG_INFINITY; 3][..]));
+                continue;
+            }
+            for place in 0..6 {
+                assert_eq!(found[place].to_bits(), bound(&block, child, place).to_bits(), "{block:02x?}");
+                let outside = if place < 3 { given[place] - found[place] } else { found[place] - given[place] };
+                assert!(outside >= 0.0, "box {:?} becomes {:?}", boxes[child], node.boxes[child]);
+                // At most a step, and the rounding of the base and of the sum.
+                let step = 2.0_f64.powi(i32::from(block[12 + place % 3]) - 127 - 8);
+                let ulps = f64::from(found[place].abs().max(f32::MIN_POSITIVE)) * 2.0_f64.powi(-22);
+                assert!(f64::from(outside) <= step + ulps, "{outside:e}, step {step:e}: {boxes:?}, {block:02x?}");
+            }
+        }
+        for axis in 0..3 {
+            let all = || (0..count).map(|child| bounds(boxes[child]));
+            let least = all().map(|b| f64::from(b[axis])).fold(f64::INFINITY, f64::min);
+            let greatest = all().map(|b| f64::from(b[axis + 3])).fold(f64::NEG_INFINITY, f64::max);
+            let span = 2.0_f64.powi(i32::from(block[12 + axis]) - 127);
+            let is_least = span <= 2.0_f64.powi(-126) || span <= 2.01 * (greatest - least);
+            assert!(count == 0 || is_least, "{span:e} for {least:e} to {greatest:e}");
+        }
+    }
+}
+
+#[test]
+fn boxes_that_cannot_be_contained_are_named() {
+    let error = |min: f32, max: f32| {
+        let boxes = [Aabb::new([0.0, min, 0.0], [1.0, max, 1.0]); 4];
+        let node = Node { boxes, children: [0, 0, 65, 0] };
+        node.to_quantised_bytes().expect_err("no node").to_string()
+    };
+    for (min, max) in [(-3e38, 3e38), (f32::NAN, 1.0), (0.0, f32::INFINITY), (1.0, 0.0)] {
+        let text = error(min, max);
+        assert!(text.starts_with("box 2 from ") && text.contains(" along axis 1, expected finite bounds"), "{text}");
+    }
+}
+
+fn step(stack: u32) -> StepParameters {
+    StepParameters { stack, node: NODE, features: UnitFeatures { barycentrics: stack == 4, ..UnitFeatures::OFF } }
+}
+
+fn setting(triangles: u32, rays: usize, seed: u64) -> (Scene, Vec<RayRequest>) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (scene, root) = Scene::random_of(NODE, triangles, &mut random);
+    let rays = (0..rays).map(|_| ray(root, &mut random)).collect();
+    (scene, rays)
+}
+
+fn expected(scene: &Scene, rays: &[RayRequest], step: StepParameters) -> Vec<Reply> {
+    let mut model = Unit::new(Rules::Paper, step);
+    rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect()
+}
+
+/// Quantised boxes are larger, so that a ray reads more. What it hits is the same in every bit.
+#[test]
+fn hits_are_those_of_wide_nodes() {
+    let (mut hits, mut more) = (0, 0);
+    for seed in 0..60 {
+        let size = [1, 8, 9, 60, 400][seed as usize % 5];
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let (wide, root) = Scene::random(size, &mut random);
+        let (quantised, own) = Scene::random_of(NODE, size, &mut ChaCha8Rng::seed_from_u64(seed));
+        // Which of several hits ends a ray depends on the order of boxes, which are larger.
+        let closest = |ray: RayRequest| RayRequest { any_hit: false, ..ray };
+        let rays: Vec<RayRequest> = (0..300).map(|_| closest(ray(root, &mut random))).collect();
+        let own_rays: Vec<RayRequest> = rays.iter().map(|ray| RayRequest { root: own, ..*ray }).collect();
+        let stack = [2, 4, 32][seed as usize % 3];
+        let wide = expected(&wide, &rays, StepParameters { node: NodeKind::Wide4, ..step(stack) });
+        for (place, (found, wide)) in expected(&quantised, &own_rays, step(stack)).into_iter().zip(wide).enumerate() {
+            let bits = |reply: &Reply| {
+                let bits = |hit: raypath_traversal::Hit| {
+                    ([hit.t, hit.t_num, hit.t_denom].map(f32::to_bits), hit.triangle, hit.back_face)
+                };
+                (reply.status, reply.hit.map(bits))
+            };
+            assert_eq!(bits(&found), bits(&wide), "seed {seed}, {:?}", rays[place]);
+            hits += usize::from(found.hit.is_some());
+            more += usize::from(found.triangles > wide.triangles);
+        }
+    }
+    assert!(hits > 2000 && more > 100, "{hits} hits, {more} rays that read more");
+}
+
+/// The netlist, the cycle-exact model and the functional model.
+#[test]
+fn the_model_equals_the_netlist_in_every_cycle() {
+    let (scene, rays) = setting(100, 60, 4);
+    let slow = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
+    let blocked = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
+    let parameters = [
+        UnitParameters { contexts: 8, memory_width: 128, divider_latency: 1, step: step(2), ..Default::default() },
+        UnitParameters { contexts: 12, memory_width: 256, id_width: 64, step: step(4), ..Default::default() },
+        UnitParameters { contexts: 64, divider_latency: 27, step: step(8), ..Default::default() },
+    ];
+    for (number, parameters) in (0..).zip(parameters) {
+        let control = [Control::Skid, Control::Credit][number as usize % 2];
+        let unit = UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit");
+        for (seed, behaviour) in (5..).zip([QUIET, slow, blocked]) {
+            let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
+            let mut model = UnitModel::of(&unit);
+            let width = parameters.memory_width;
+            let environment = Environment::new(&scene.0, width, rays.clone(), behaviour, seed + number);
+            let mut environment = environment.of_nodes(NODE);
+            while !environment.is_done() {
+                environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
+                assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
+            }
+            if behaviour.errors == 0 {
+                let replies: Vec<Reply> = environment.replies.values().copied().collect();
+                assert_eq!(replies, expected(&scene, &rays, parameters.step));
+            }
+        }
+    }
+}
+
+/// Nodes of random bytes: exponents of 0 and 255, bases that are infinite or NaN, missing children anywhere.
+#[test]
+fn nodes_of_any_bytes_are_decoded_alike() {
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    let mut scene = Scene(Vec::new(), NODE);
+    for number in 0..2000_u32 {
+        let mut block: [u8; 64] = random.random();
+        for axis in 0..3 {
+            let base: f32 = match random.random_range(0..60) {
+                0 => f32::from_bits(random.random()),
+                1 => f32::NAN,
+                2 => f32::NEG_INFINITY,
+                3 => f32::INFINITY,
+                _ => random.random_range(-6.5..-5.5),
+            };
+            block[4 * axis..][..4].copy_from_slice(&base.to_le_bytes());
+            block[12 + axis] = if random.random_range(0..20) > 0 { 129 } else { [0, 1, 254, 255][number as usize % 4] };
+        }
+        for child in 0..4 {
+            for axis in 0..3 {
+                let [least, greatest] = [16, 19].map(|from| from + 6 * child + axis);
+                if random.random_range(0..20) > 0 {
+                    (block[least], block[greatest]) = (block[least] & 63, block[greatest] | 192);
+                }
+            }
+            let word = (random.random_range(0..2000) * 64) | [0, 1, 2, 32, 32, 32][random.random_range(0..6)];
+            block[40 + 4 * child..][..4].copy_from_slice(&u32::to_le_bytes(word));
+        }
+        assert_eq!(scene.0.len() as u32, 64 * number);
+        scene.0.extend(block);
+    }
+    let rays: Vec<RayRequest> =
+        (0..100).map(|_| ray((64 * random.random_range(0..2000_u32)) | 32, &mut random)).collect();
+    let parameters = UnitParameters { contexts: 16, step: step(4), ..Default::default() };
+    let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+    let (mut netlist, mut model) = (NetlistEngine::new(&unit).expect("a simulation"), UnitModel::of(&unit));
+    let environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), QUIET, 3);
+    let mut environment = environment.of_nodes(NODE);
+    while !environment.is_done() {
+        environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
+        assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
+    }
+    let text = |replies: Vec<Reply>| replies.iter().map(|reply| format!("{reply:?}\n")).collect::<String>();
+    let found: Vec<Reply> = environment.replies.values().copied().collect();
+    let nodes: u32 = found.iter().map(|reply| reply.nodes).sum();
+    assert_eq!(text(found), text(expected(&scene, &rays, parameters.step)));
+    assert!(nodes > 600, "{nodes} nodes were read");
+}
+
+/// The cycles from the last beat of a block to the next request of its ray, as `docs/reference/unit.md` has them: from
+/// a node, from a triangle, and from the last triangle to the hit.
+#[test]
+fn a_fetch_takes_as_many_cycles_as_documented() {
+    let mut scene = Scene(Vec::new(), NODE);
+    let leaf = scene.leaf(&[at(3.0, 0), at(3.0, 1)]);
+    let root = scene.node([Aabb::new([-2.0; 3], [4.0; 3]); 4], [leaf, 0, 0, 0]);
+    let parameters = UnitParameters { step: step(8), ..Default::default() };
+    let mut unit = UnitModel::new(&Shape::default(), parameters);
+    let request = along_z(root);
+    let (mut events, mut due) = (Vec::new(), None);
+    for cycle in 0..200 {
+        let outputs = unit.outputs();
+        let asked = outputs.request;
+        if asked.is_some() || outputs.hit.is_some() {
+            events.push(cycle);
+        }
+        let beat = due.take().map(|BlockRequest { address, tag }| {
+            let beat = &scene.0[address as usize..][..64];
+            Response { tag, is_error: false, beat }
+        });
+        due = asked;
+        let ray = (cycle == 0).then_some((0, request));
+        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat });
+    }
+    // The block arrives in the cycle after its request.
+    let gaps: Vec<i32> = events.windows(2).map(|pair| pair[1] - pair[0] - 1).collect();
+    assert_eq!((events[0], &gaps[..]), (23, &[23, 35, 36][..]));
+}
+
+/// The frames that drove the model, with two resets while rays are inside, drive Verilator, and the linters have
+/// nothing to say.
+#[test]
+#[ignore = "long: another build by Verilator"]
+fn verilator_equals_the_model_in_every_cycle() {
+    let (scene, rays) = setting(200, 60, 3);
+    let parameters = UnitParameters { contexts: 8, memory_width: 256, step: step(8), ..Default::default() };
+    let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+    let folder = tempfile::tempdir().expect("a folder");
+    Sources::write(&unit.axi().expect("a wrapper"), folder.path()).expect("sources").lint().expect("no report");
+    let mut sources = Sources::write(&unit.top, folder.path()).expect("sources");
+    sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
+    let options = Options::default();
+    let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
+    let mut recorded = Recorder::new(UnitModel::of(&unit), &unit.top);
+    let environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
+    let mut environment = environment.of_nodes(NODE);
+    while !environment.is_done() {
+        if [300, 900].contains(&recorded.cycles.len()) {
+            environment.reset(&mut [&mut recorded]);
+        }
+        environment.cycle(&mut [&mut recorded]).expect("the protocol");
+    }
+    let cycles = recorded.cycles.into_iter().map(|cycle| (cycle.frame, cycle.outputs));
+    let (frames, outputs): (Vec<_>, Vec<_>) = cycles.unzip();
+    let mut seen = 0;
+    verilated
+        .run_randomly(1, frames, |cycle, found| {
+            // In a reset no output is expected.
+            if let Some(expected) = &outputs[cycle] {
+                assert_eq!(outputs_of(found), *expected, "cycle {cycle}");
+            }
+            seen += 1;
+        })
+        .expect("a run");
+    assert_eq!(seen, outputs.len());
+}
+
+#[test]
+fn a_beat_is_at_most_a_block() {
+    let parameters = UnitParameters { memory_width: 1024, step: step(8), ..Default::default() };
+    let error = parameters.check().expect_err("no unit").to_string();
+    let expected = "expected 128, 256 or 512 with quantised nodes, whose blocks have 512";
+    assert!(error.starts_with("memory width is 1024, ") && error.ends_with(expected), "{error}");
+}

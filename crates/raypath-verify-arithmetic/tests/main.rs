@@ -1,0 +1,5 @@
+//! All integration tests of the crate, in one program: it is linked once, and its tests share the cores.
+
+mod unit_campaigns;
+mod unit_proofs;
+mod units;

@@ -1,0 +1,81 @@
+//! The SystemVerilog of dividers and square roots: in Verilator beside the netlist simulator, in every cycle, and in
+//! the linters.
+
+use rand::RngExt;
+use raypath_float::{DivSqrt, Format};
+use raypath_hdl::{Error, Module, Simulator};
+use raypath_tools::{Sources, Verilated};
+use raypath_verify_arithmetic::units::operands::{generator, number};
+use std::sync::Arc;
+
+const FUNCTIONS: [DivSqrt; 4] = [DivSqrt::Quotient, DivSqrt::Reciprocal, DivSqrt::Root, DivSqrt::QuotientOrRoot];
+
+#[test]
+fn verilator_agrees_in_every_cycle() -> Result<(), Box<dyn std::error::Error>> {
+    let format = Format::BINARY32;
+    let modules = [
+        DivSqrt::QuotientOrRoot.iterative(format, 3, 7)?,
+        DivSqrt::QuotientOrRoot.pipelined(format, 9, 7)?,
+        DivSqrt::Reciprocal.iterative(format, 2, 0)?,
+    ];
+    for (seed, module) in (1..).zip(modules) {
+        let folder = tempfile::tempdir()?;
+        let verilated = Verilated::build(&module, folder.path())?;
+        let frames = frames(&module, seed);
+        let mut simulator = Simulator::new(&module)?;
+        let inputs: Vec<_> =
+            module.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, Error>>()?;
+        let outputs: Vec<_> =
+            module.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, Error>>()?;
+        let mut results = 0;
+        verilated.run(frames.clone(), |cycle, seen| {
+            let frame = &frames[cycle];
+            simulator.set_reset(frame[0] == 0);
+            inputs.iter().zip(&frame[1..]).for_each(|(input, word)| simulator.set(*input, *word));
+            simulator.cycle();
+            let expected: Vec<u64> = outputs.iter().map(|output| simulator.get(*output)).collect();
+            assert_eq!(seen, expected, "{} in cycle {cycle}", module.name());
+            // Valid and ready.
+            results += seen[1] & frame[2];
+        })?;
+        assert!(results > 1_000, "{}: {results} results", module.name());
+    }
+    Ok(())
+}
+
+/// The reset, then the inputs: a job in most cycles, a sink that sometimes waits, and few resets.
+fn frames(module: &Arc<Module>, seed: u64) -> Vec<Vec<u64>> {
+    let mut random = generator(seed);
+    let mut frame = || {
+        let mut words = vec![u64::from(random.random_range(0..5_000) != 0)];
+        for port in module.inputs() {
+            words.push(match port.name.as_str() {
+                "valid_i" => u64::from(random.random_range(0..8) != 0),
+                "ready_i" => u64::from(random.random_range(0..4) != 0),
+                "a_i" | "b_i" => Format::BINARY32.encode(number(&mut random).into()),
+                name => random.random_range(0..1 << module.port_width(name).unwrap_or_default()),
+            });
+        }
+        words
+    };
+    (0..100_000).map(|_| frame()).collect()
+}
+
+#[test]
+fn linters_are_silent() -> Result<(), Box<dyn std::error::Error>> {
+    for (e, s) in [(8, 24), (3, 3), (5, 11)] {
+        let format = Format::new(e, s)?;
+        for function in FUNCTIONS {
+            for module in [
+                function.parts(format, 1)?.remove(0),
+                function.pipelined(format, 3, 5)?,
+                function.iterative(format, 2, 0)?,
+                function.iterative(format, s + 2, 1)?,
+            ] {
+                let folder = tempfile::tempdir()?;
+                Sources::write(&module, folder.path())?.lint()?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,261 @@
+//! Sums that round once, against integers: the units whole and in parts, and the software of the models.
+//!
+//! The oracle is written from the text of `docs/reference/semantics.md`. A number is an integer in units of the last
+//! place of subnormal numbers.
+
+use crate::units::converter;
+use crate::units::exact::Exact;
+use num_bigint::{BigInt, BigUint, Sign};
+use rand::rngs::ChaCha8Rng;
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use raypath_float::{Format, sum_parts};
+use raypath_model::{Soft, SoftNumber};
+use raypath_ops::{Binary32, Circuit, Single};
+use raypath_verify_arithmetic::units::bench::{Simulated, chain};
+use std::cmp::Ordering;
+
+/// The code of a sum.
+fn expected(format: Format, terms: &[u64]) -> u64 {
+    let fraction = format.significand() - 1;
+    let sign = 1_u64 << (format.exponent() + fraction);
+    let is_negative = |term: u64| term & sign != 0;
+    let magnitude = |term: u64| term & (sign - 1);
+    let has = |wanted: u64| terms.contains(&wanted);
+    if terms.iter().any(|&term| magnitude(term) > format.infinity())
+        || has(format.infinity()) && has(format.infinity() | sign)
+    {
+        return format.nan();
+    }
+    if let Some(&infinite) = terms.iter().find(|&&term| magnitude(term) == format.infinity()) {
+        return infinite;
+    }
+    if terms.iter().all(|&term| magnitude(term) == 0) {
+        return if terms.iter().all(|&term| is_negative(term)) { sign } else { 0 };
+    }
+    let value = |term: u64| match (magnitude(term) >> fraction, magnitude(term) & ((1 << fraction) - 1)) {
+        (0, digits) => BigUint::from(digits),
+        (exponent, digits) => BigUint::from(digits | 1 << fraction) << (exponent - 1),
+    };
+    let greatest = terms.iter().map(|&term| value(term).bits()).max().expect("terms");
+    let mut window = u64::from(format.significand());
+    while 1_usize << (window - u64::from(format.significand())) < terms.len() {
+        window += 1;
+    }
+    let lost = greatest.saturating_sub(window);
+    let total: BigInt = terms
+        .iter()
+        .map(|&term| {
+            let kept = BigInt::from(value(term) >> lost << lost);
+            if is_negative(term) { -kept } else { kept }
+        })
+        .sum();
+    if total.sign() == Sign::NoSign {
+        return 0;
+    }
+    nearest(format, total.magnitude()) | if total.sign() == Sign::Minus { sign } else { 0 }
+}
+
+/// The code nearest to an integer, ties to even.
+fn nearest(format: Format, total: &BigUint) -> u64 {
+    let digits = u64::from(format.significand());
+    let lost = total.bits().saturating_sub(digits);
+    let mut kept = total >> lost;
+    let rest = total - (&kept << lost);
+    let up = match (rest * 2_u32).cmp(&(BigUint::from(1_u32) << lost)) {
+        Ordering::Less => false,
+        Ordering::Equal => lost > 0 && kept.bit(0),
+        Ordering::Greater => true,
+    };
+    kept += u32::from(up);
+    let value = kept << lost;
+    if value.bits() < digits {
+        return u64::try_from(&value).expect("a subnormal number");
+    }
+    // The number of units in its last place is a power of two; a number with the hidden bit as the last has field 1.
+    let exponent = value.bits() - digits + 1;
+    let significand = u64::try_from(&(value >> (exponent - 1))).expect("a significand");
+    let code = exponent << (digits - 1) | significand & ((1 << (digits - 1)) - 1);
+    code.min(format.infinity())
+}
+
+/// The unit whole, and joined from two and from three parts; and the software.
+struct Sums {
+    format: Format,
+    units: [Simulated; 3],
+}
+
+impl Sums {
+    fn new(format: Format, terms: u32) -> Self {
+        let unit = |parts| converter(sum_parts(format, terms, parts).and_then(|parts| chain(&parts)));
+        Self { format, units: [1, 2, 3].map(unit) }
+    }
+
+    fn check(&mut self, terms: &[u64]) {
+        let words: Vec<u64> = terms.iter().map(|&term| self.format.encode(term)).collect();
+        self.check_words(&words, terms);
+        let numbers: Vec<SoftNumber> = terms.iter().map(|&term| SoftNumber(term)).collect();
+        let found = Soft { format: self.format }.sum(&numbers).0;
+        assert_eq!(found, expected(self.format, terms), "{} in software: {terms:x?}", self.format);
+    }
+
+    /// Checks the units for recoded words, whose values are those of `terms`.
+    fn check_words(&mut self, words: &[u64], terms: &[u64]) {
+        let wanted = self.format.encode(expected(self.format, terms));
+        for (unit, parts) in self.units.iter_mut().zip(1..) {
+            let [found] = unit.run(words.iter().copied());
+            assert_eq!(found, wanted, "{} in {parts} parts: {terms:x?}", self.format);
+        }
+    }
+}
+
+/// Calls `check` for all multisets of `count` items.
+fn multisets<T: Copy>(items: &[T], count: usize, chosen: &mut Vec<T>, check: &mut impl FnMut(&[T])) {
+    if chosen.len() == count {
+        return check(chosen);
+    }
+    for (first, &item) in items.iter().enumerate() {
+        chosen.push(item);
+        multisets(&items[first..], count, chosen, check);
+        chosen.pop();
+    }
+}
+
+#[test]
+fn every_three_terms_in_every_order() {
+    let format = Exact::new(3, 3).format;
+    let mut sums = Sums::new(format, 3);
+    let codes = 1_u64 << format.ieee_width();
+    for a in 0..codes {
+        for b in 0..codes {
+            for c in (0..codes).filter(|&c| format.canonical(c) == c) {
+                if [a, b].map(|code| format.canonical(code)) == [a, b] {
+                    sums.check(&[a, b, c]);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_three_and_four_terms_of_small_formats() {
+    for (e, s, terms) in [(3, 4, 3), (4, 3, 3), (3, 3, 4)] {
+        let format = Exact::new(e, s).format;
+        let mut sums = Sums::new(format, terms);
+        let codes: Vec<u64> = (0..1 << format.ieee_width()).filter(|&code| format.canonical(code) == code).collect();
+        multisets(&codes, terms as usize, &mut Vec::new(), &mut |terms| sums.check(terms));
+    }
+}
+
+/// Zeros and infinities with any lower exponent bits and any fraction, and NaN with any sign and payload.
+#[test]
+fn every_recoded_word() {
+    let exact = Exact::new(3, 3);
+    let mut sums = Sums::new(exact.format, 3);
+    let words: Vec<(u64, u64)> =
+        exact.recoded_words().into_iter().map(|(word, number)| (word, exact.ieee_code(number))).collect();
+    multisets(&words, 3, &mut Vec::new(), &mut |chosen| {
+        let (words, terms): (Vec<u64>, Vec<u64>) = chosen.iter().copied().unzip();
+        sums.check_words(&words, &terms);
+    });
+}
+
+/// Terms of one magnitude, of all, with pairs that cancel, ties, and special ones.
+fn draw(rng: &mut ChaCha8Rng, format: Format, count: usize) -> Vec<u64> {
+    let fraction = format.significand() - 1;
+    let fields = (1_u64 << format.exponent()) - 1;
+    let special = [0, 1 << (format.ieee_width() - 1), format.infinity(), format.infinity() - 1, 1, format.nan()];
+    let (base, spread) =
+        (rng.random_range(0..fields), [0, 1, 3, u64::from(format.significand()), fields][rng.random_range(0..5)]);
+    let [has_signs, has_special, has_pairs] = [(); 3].map(|()| rng.random_bool(0.4));
+    let mut terms: Vec<u64> = (0..count)
+        .map(|_| {
+            if has_special && rng.random_bool(0.1) {
+                let kinds = if rng.random_bool(0.2) { special.len() } else { 2 };
+                return special[rng.random_range(0..kinds)];
+            }
+            let exponent = (base + rng.random_range(0..=spread)).min(fields - 1).saturating_sub(spread / 2);
+            let mask = (1_u64 << fraction) - 1;
+            let digits = [rng.random(), rng.random(), 0, mask, 1, 1 << (fraction - 1)][rng.random_range(0..6)] & mask;
+            let sign = u64::from(has_signs && rng.random()) << (format.ieee_width() - 1);
+            sign | exponent << fraction | digits
+        })
+        .collect();
+    if has_pairs {
+        for pair in terms.chunks_exact_mut(2) {
+            let near = rng.random_range(0..3);
+            let is_finite = pair[0] & !(1 << (format.ieee_width() - 1)) < format.infinity() - 3;
+            if is_finite {
+                pair[1] = (pair[0] ^ 1 << (format.ieee_width() - 1)) + near;
+            }
+        }
+    }
+    terms.shuffle(rng);
+    terms
+}
+
+#[test]
+fn many_terms() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for name in ["fp32", "fp16", "bf16", "e3s3", "e4s7", "e11s24"] {
+        let format: Format = name.parse().expect("a format");
+        for terms in [3, 4, 5, 7, 8, 16, 32, 33, 64] {
+            let mut sums = Sums::new(format, terms);
+            for _ in 0..3_000 {
+                sums.check(&draw(&mut rng, format, terms as usize));
+            }
+        }
+    }
+}
+
+/// What the window loses: of three terms, only what is below the last of the 26 places of binary32.
+#[test]
+fn the_window() {
+    let sum = |terms: &[f32]| {
+        let codes: Vec<u64> = terms.iter().map(|term| term.to_bits().into()).collect();
+        Sums::new(Format::BINARY32, terms.len() as u32).check(&codes);
+        Binary32.sum(&terms.iter().map(|&term| Single(term)).collect::<Vec<_>>()).0
+    };
+    let power = |exponent: i32| 2_f32.powi(exponent);
+    // Half of the last place of 1, and the last place of the window, which decides the tie.
+    assert_eq!(sum(&[1.0, power(-24), power(-25)]), 1.0 + power(-23));
+    assert_eq!(sum(&[1.0, power(-24), power(-26)]), 1.0);
+    // A tree of adders loses the small terms here, and the window does not.
+    assert_eq!(sum(&[1.0, power(-24), power(-24)]), 1.0 + power(-23));
+    assert_eq!(sum(&[power(30), -power(30), 1.0]), 0.0);
+    assert_eq!(sum(&[power(25), -power(25), 1.0]), 1.0);
+    // 31 terms at the last place of the window of 29 places are nearly a last place of 1; below it they vanish.
+    let many = |small: f32| std::array::from_fn::<f32, 32, _>(|term| if term == 0 { 1.0 } else { small });
+    assert_eq!(sum(&many(power(-28))), 1.0 + power(-23));
+    assert_eq!(sum(&many(power(-27))), 1.0 + 2.0 * power(-23));
+    assert_eq!(sum(&many(power(-29))), 1.0);
+}
+
+/// The native number and the software of formats are the same code; the order of terms does not matter.
+#[test]
+fn native_numbers_in_any_order() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    for _ in 0..20_000 {
+        let count = rng.random_range(3..=64);
+        let mut codes = draw(&mut rng, Format::BINARY32, count);
+        let wanted = expected(Format::BINARY32, &codes) as u32;
+        for _ in 0..2 {
+            codes.shuffle(&mut rng);
+            let terms: Vec<Single> = codes.iter().map(|&code| Single(f32::from_bits(code as u32))).collect();
+            assert_eq!(Binary32.sum(&terms).to_bits(), wanted, "{codes:x?}");
+        }
+    }
+}
+
+/// Negative control: the oracle tells a sum that rounds once from a chain of adders.
+#[test]
+fn wrong_sums_are_found() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut differ = 0;
+    for _ in 0..1_000 {
+        let codes = draw(&mut rng, Format::BINARY32, 16);
+        let tree = codes.iter().copied().reduce(|a, b| Format::BINARY32.add(a, b)).expect("terms");
+        differ += u32::from(tree != expected(Format::BINARY32, &codes));
+    }
+    assert!(differ > 100, "{differ} of 1,000 sums differ from those of a chain of adders");
+}

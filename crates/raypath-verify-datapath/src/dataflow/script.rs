@@ -1,0 +1,161 @@
+//! A problem in SMT-LIB 2: bit-vectors, each defined once, and uninterpreted functions of bit-vectors.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write;
+
+/// A bit-vector of a script.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Term {
+    number: u32,
+    /// Its bits.
+    pub width: u32,
+}
+
+impl std::fmt::Display for Term {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "t{}", self.number)
+    }
+}
+
+/// The bits of a weight.
+const WEIGHT: u32 = 32;
+
+/// Definitions in the order in which they were made. Equal expressions are one term.
+#[derive(Debug, Default)]
+pub struct Script {
+    functions: BTreeMap<String, (Vec<u32>, u32)>,
+    definitions: String,
+    terms: HashMap<String, Term>,
+    count: u32,
+}
+
+impl Script {
+    /// A bit-vector of any value.
+    pub fn free(&mut self, width: u32) -> Term {
+        let term = self.next(width);
+        let _ = writeln!(self.definitions, "(declare-fun {term} () (_ BitVec {width}))");
+        term
+    }
+
+    /// The value of an expression of bit-vectors.
+    pub fn define(&mut self, width: u32, expression: String) -> Term {
+        if let Some(&term) = self.terms.get(&expression) {
+            return term;
+        }
+        let term = self.next(width);
+        let _ = writeln!(self.definitions, "(define-fun {term} () (_ BitVec {width}) {expression})");
+        self.terms.insert(expression, term);
+        term
+    }
+
+    /// The value of a function that may be any function of its operands.
+    pub fn apply(&mut self, function: &str, operands: &[Term], width: u32) -> Term {
+        let widths = operands.iter().map(|operand| operand.width).collect();
+        self.functions.entry(function.to_string()).or_insert((widths, width));
+        let operands: String = operands.iter().map(|operand| format!(" {operand}")).collect();
+        self.define(width, format!("(|{function}|{operands})"))
+    }
+
+    /// The value of a function that may be any function which does not depend on the order of its operands.
+    ///
+    /// It is a function of the sum of the operands' weights, which are any function of an operand. That is no
+    /// restriction: a script has a few hundred lists of operands at most, and for random weights the probability that
+    /// two different lists have the same sum is less than 2^-[`WEIGHT`] times the number of pairs of lists, times their
+    /// length. So there are weights for which all sums differ.
+    pub fn apply_to_all(&mut self, function: &str, operands: &[Term], width: u32) -> Term {
+        let weight = format!("weight of {function}");
+        let weights: Vec<Term> = operands.iter().map(|&operand| self.apply(&weight, &[operand], WEIGHT)).collect();
+        let sum = self.operator(WEIGHT, "bvadd", &weights);
+        self.apply(function, &[sum], width)
+    }
+
+    /// A condition that holds.
+    pub fn assume(&mut self, condition: &str) {
+        let _ = writeln!(self.definitions, "(assert {condition})");
+    }
+
+    /// A constant.
+    pub fn constant(&mut self, width: u32, value: u64) -> Term {
+        self.define(width, format!("(_ bv{value} {width})"))
+    }
+
+    /// One bit: whether a condition holds.
+    pub fn bit(&mut self, condition: &str) -> Term {
+        self.define(1, format!("(ite {condition} #b1 #b0)"))
+    }
+
+    /// An operator of the theory of bit-vectors.
+    pub fn operator(&mut self, width: u32, name: &str, operands: &[Term]) -> Term {
+        let operands: String = operands.iter().map(|operand| format!(" {operand}")).collect();
+        self.define(width, format!("({name}{operands})"))
+    }
+
+    /// The bits `high` to `low` of a term.
+    pub fn slice(&mut self, term: Term, high: u32, low: u32) -> Term {
+        if (high, low) == (term.width - 1, 0) {
+            return term;
+        }
+        self.define(high - low + 1, format!("((_ extract {high} {low}) {term})"))
+    }
+
+    /// One of two terms.
+    pub fn select(&mut self, condition: Term, if_true: Term, if_false: Term) -> Term {
+        self.define(if_true.width, format!("(ite (= {condition} #b1) {if_true} {if_false})"))
+    }
+
+    /// The question whether one of the pairs can differ; its answer `unsat` means that none can.
+    pub fn differs(&self, pairs: &[(String, Term, Term)]) -> String {
+        let mut text = self.text();
+        // Bitwuzla refuses an `or` of one term.
+        let mut all = " false".to_string();
+        for (number, (_, actual, expected)) in pairs.iter().enumerate() {
+            let _ = writeln!(text, "(define-fun d{number} () Bool (distinct {actual} {expected}))");
+            let _ = write!(all, " d{number}");
+        }
+        text + &format!("(assert (or{all}))\n(check-sat)\n")
+    }
+
+    /// The question whether all assumptions can hold together.
+    pub fn holds(&self) -> String {
+        self.text() + "(check-sat)\n"
+    }
+
+    /// The declarations, definitions and assumptions.
+    fn text(&self) -> String {
+        let mut text = "(set-option :produce-models true)\n(set-logic QF_UFBV)\n".to_string();
+        for (name, (operands, width)) in &self.functions {
+            let operands: Vec<String> = operands.iter().map(|width| format!("(_ BitVec {width})")).collect();
+            let _ = writeln!(text, "(declare-fun |{name}| ({}) (_ BitVec {width}))", operands.join(" "));
+        }
+        text + &self.definitions
+    }
+
+    fn next(&mut self, width: u32) -> Term {
+        self.count += 1;
+        Term { number: self.count, width }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raypath_tools::{SmtSolver, temporary_folder};
+    use std::sync::atomic::AtomicBool;
+    use std::time::Duration;
+
+    /// Both solvers read questions about one pair and about several.
+    #[test]
+    fn both_solvers_read_a_question() {
+        let mut script = Script::default();
+        let [one, zero] = ["#b1", "#b0"].map(|value| script.define(1, value.to_string()));
+        let same = ("same".to_string(), one, one);
+        let other = ("other".to_string(), one, zero);
+        let questions = [script.differs(std::slice::from_ref(&same)), script.differs(&[same, other])];
+        for solver in [SmtSolver::z3(), SmtSolver::bitwuzla()] {
+            let (solver, folder) = (solver.expect("Python's modules"), temporary_folder().expect("a folder"));
+            let go = AtomicBool::new(false);
+            let answers = solver.run(folder.path(), &questions, Duration::from_secs(60), &go).expect("no error");
+            assert_eq!(answers.expect("an answer").split_whitespace().collect::<Vec<_>>(), ["unsat", "sat"]);
+        }
+    }
+}

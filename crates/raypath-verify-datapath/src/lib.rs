@@ -1,0 +1,109 @@
+//! Verification of the datapath: control, operations, models and text.
+
+pub mod campaign;
+pub mod control;
+pub mod coverage;
+pub mod dataflow;
+pub mod geometry;
+pub mod layout;
+pub mod models;
+pub mod oracle;
+mod reset;
+pub mod stimuli;
+pub mod subjects;
+mod text_coverage;
+
+use raypath_verify::Item;
+use std::path::Path;
+
+/// The claims about the datapath.
+pub const ITEMS: &[Item] = &[
+    Item {
+        name: "control",
+        claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for \
+            each beat",
+        oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units",
+        has_configuration: false,
+        run: control::control,
+    },
+    Item {
+        name: "operations",
+        claim: "the emitted pipeline computes each operation, for all values of its inputs and states, if its units \
+            compute theirs",
+        oracle: "the operation's function over terms, by SMT (Z3), with the emitted SystemVerilog as Yosys reads it; \
+            units may be any functions with the laws that docs/development/verification.md lists",
+        has_configuration: true,
+        run: dataflow::verify,
+    },
+    Item {
+        name: "watertight",
+        claim: "a ray through an edge or vertex shared by faces that all face the ray hits at least one of them",
+        oracle: "which faces face the ray, and where it passes them, by exact arithmetic",
+        has_configuration: true,
+        run: geometry::watertight::verify,
+    },
+    Item {
+        name: "boxes",
+        claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does \
+            not, and tmin has an error of at most three roundings; with rules bounds and 8 to 24 bits, no box that the \
+            ray enters is missed, and tmin is a lower bound",
+        oracle: "exact arithmetic on integers times powers of two",
+        has_configuration: false,
+        run: geometry::boxes::verify,
+    },
+    Item {
+        name: "triangle-distance",
+        claim: "t_num, t_denom and, for hits, their quotient have errors within the bounds of \
+            docs/reference/error-bounds.md",
+        oracle: "exact arithmetic on integers times powers of two",
+        has_configuration: true,
+        run: geometry::triangle_distances::verify,
+    },
+    Item {
+        name: "sums",
+        claim: "Euclidean sums, dot products and norms have errors within the bounds of docs/reference/error-bounds.md",
+        oracle: "exact arithmetic on integers times powers of two",
+        has_configuration: false,
+        run: geometry::sums::verify,
+    },
+    Item {
+        name: "models",
+        claim: "the functional model's outcomes are those that docs/reference defines, to the bit, and the cycle-exact \
+            model has the same outcomes, in order, for every preset, number of lanes, rule set, feature and added \
+            operation, and formats up to (11,24)",
+        oracle: "the same operations written once more from the text, in exact arithmetic rounded once; for most jobs \
+            of the default configuration in binary64 rounded once, which is compared with the exact one",
+        has_configuration: true,
+        run: |request| models::verify(request, Path::new(campaign::FOLDER)),
+    },
+    Item {
+        name: "campaign",
+        claim: "netlist, cycle-exact model and functional model agree at all ports in every cycle, for random jobs and \
+            any behaviour of source, sink and reset, and every coverage point that can be reached is hit; at level \
+            full for every preset, number of lanes, rule set, feature and added operation, and formats up to (11,24)",
+        oracle: "the cycle-exact and the functional model, which share the operations' functions with the netlist, but \
+             neither units nor control",
+        has_configuration: true,
+        run: |request| campaign::verify(request, Path::new(campaign::FOLDER)),
+    },
+    Item {
+        name: "text-coverage",
+        claim: "the stimuli of campaigns execute 99 % of the lines and branches of the emitted SystemVerilog, and \
+            toggle 99 % of its bits, without what is proved to be out of reach; at level full for every preset, flow \
+            control, sharing, interval, unit latency, encoding, rule set, feature and added operation, and for the \
+            traversal units of their campaign",
+        oracle: "Verilator's counters, while its outputs are those of the cycle-exact model; runs that leave out an \
+            operation or all nodes, which must be below 99 %",
+        has_configuration: true,
+        run: text_coverage::verify,
+    },
+    Item {
+        name: "reset",
+        claim: "after a reset nothing unknown leaves a port that has a meaning, whatever registers, memories and \
+            inputs without meaning hold; outcomes are those of the models",
+        oracle: "simulation of the emitted SystemVerilog with unknown values, by Yosys and Icarus Verilog; the \
+            cycle-exact and the functional model",
+        has_configuration: false,
+        run: reset::verify,
+    },
+];

@@ -1,0 +1,277 @@
+//! Coverage of the emitted text: lines, branches and toggles, counted by Verilator under the stimuli of campaigns.
+
+mod choices;
+mod constants;
+mod datapath;
+mod design;
+mod reachable;
+mod unit;
+
+use crate::campaign::FOLDER;
+use crate::subjects::Subject;
+use choices::{Choice, choices};
+use constants::{Bit, constants};
+use design::{Design, Run};
+use raypath_hdl::verilog;
+use raypath_tools::{CoverageKind, CoveragePoint, Options, Sources, Verilated, pool, read, temporary_folder};
+use raypath_verify::{Error, Level, Request, Verdict, files};
+use reachable::Text;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::Range;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// The share of reachable points that must be hit, in percent.
+const BAR: f64 = 99.0;
+
+/// Counts the coverage of the level's designs, or of the datapath that the user chose; and of runs that leave
+/// something out, which must be below the bar.
+///
+/// # Errors
+/// A program is missing or fails; a design cannot be built; a file cannot be written.
+pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let (level, seed, shard) = (request.level, request.seed, request.shard);
+    let choices = if request.is_chosen { vec![Choice::Datapath(Subject::of(request))] } else { choices(level)? };
+    let first_unit = choices.iter().position(|choice| matches!(choice, Choice::Unit(..)));
+    let shards = request.parts.phase(|| {
+        let own: Vec<(usize, &Choice)> = shard.of(choices.iter().enumerate()).collect();
+        pool::map(&own, pool::ALL_CORES, request.proceed, |(number, choice), _| {
+            // Whatever is left out costs runs.
+            let has_controls = *number == 0 || Some(*number) == first_unit || level > Level::Full;
+            Ok::<_, Error>(Some(Found::of(choice, level.pick(1, 2, 16), seed, has_controls)?))
+        })
+    })?;
+    let mut verdict = Verdict::default();
+    let (mut text, mut designs, mut controls, mut sums) = (String::new(), 0, 0, [Counts::default(); 3]);
+    for found in shards.into_iter().flatten() {
+        let Some(found) = found else {
+            verdict.is_stopped = true;
+            continue;
+        };
+        designs += 1;
+        controls += found.controls;
+        sums.iter_mut().zip(found.counts).for_each(|(sum, counts)| sum.add(counts));
+        text += &found.report;
+        verdict.failures.extend(found.failures);
+    }
+    let counts: Vec<String> =
+        CoverageKind::ALL.iter().zip(sums).map(|(kind, counts)| format!("{} {counts}", kind.name())).collect();
+    verdict.covered = format!(
+        "{designs} designs: {}; {controls} runs without an operation or without nodes are below {BAR} %",
+        counts.join(", ")
+    );
+    let path = Path::new(FOLDER).join("text-coverage.txt");
+    files::write(&path, &text)?;
+    verdict.remarks.push(format!("points that were not hit: {}", path.display()));
+    Ok(verdict)
+}
+
+/// The points of a kind.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+struct Counts {
+    hit: u64,
+    reachable: u64,
+    /// Proved to be out of reach, and not hit.
+    unreachable: u64,
+    /// Left out for the design's reasons.
+    left_out: u64,
+}
+
+impl Counts {
+    fn add(&mut self, other: Self) {
+        self.hit += other.hit;
+        self.reachable += other.reachable;
+        self.unreachable += other.unreachable;
+        self.left_out += other.left_out;
+    }
+
+    fn percent(self) -> f64 {
+        if self.reachable == 0 { 100.0 } else { 100.0 * self.hit as f64 / self.reachable as f64 }
+    }
+}
+
+impl fmt::Display for Counts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { hit, reachable, unreachable, left_out } = self;
+        write!(f, "{:.2} % ({hit} of {reachable} points, {unreachable} out of reach", self.percent())?;
+        if *left_out > 0 {
+            write!(f, ", {left_out} left out")?;
+        }
+        f.write_str(")")
+    }
+}
+
+/// The result of a design.
+#[derive(Serialize, Deserialize)]
+struct Found {
+    /// Of each kind of points.
+    counts: [Counts; 3],
+    controls: u64,
+    failures: Vec<String>,
+    /// The points that were not hit.
+    report: String,
+}
+
+impl Found {
+    /// The coverage of so many runs of a design, and the runs that leave something out if it has controls.
+    fn of(choice: &Choice, runs: u64, seed: u64, has_controls: bool) -> Result<Self, Error> {
+        let design = choice.open()?;
+        let mut covered = Covered::new(&*design)?;
+        let mut failures = Vec::new();
+        let points = covered.points(0..runs, seed, None, &mut failures)?;
+        covered.constants = constants(&covered.source, &points)?;
+        let counts = covered.counts(&points, &mut failures);
+        for (kind, counts) in CoverageKind::ALL.iter().zip(counts) {
+            if counts.percent() < BAR {
+                failures.push(format!("{} coverage is {counts}, expected {BAR} %", kind.name()));
+            }
+        }
+        let omissions = if has_controls { design.omissions() } else { Vec::new() };
+        let omitted: Vec<usize> = (0..omissions.len()).collect();
+        let controls = pool::map(&omitted, pool::ALL_CORES, &mut |_| true, |&omitted, _| {
+            let mut failures = Vec::new();
+            let points = covered.points(0..runs, seed, Some(omitted), &mut failures)?;
+            if covered.counts(&points, &mut failures).iter().all(|counts| counts.percent() >= BAR) {
+                failures.push(format!("without {}, the coverage is not below {BAR} %", omissions[omitted]));
+            }
+            Ok::<_, Error>(Some(failures))
+        })?;
+        failures.extend(controls.into_iter().flatten().flatten());
+        let rest = points
+            .iter()
+            .filter(|point| !(is_hit(point) || covered.is_out_of_reach(point) || design.is_left_out(point)));
+        let lines = rest
+            .map(|point| format!("  {}, line {}: {} {}\n", point.module, point.line, point.kind.name(), point.name));
+        let report = std::iter::once(format!("{choice}\n")).chain(lines).collect();
+        let failures = failures.into_iter().map(|failure| format!("{choice}: {failure}")).collect();
+        Ok(Self { counts, controls: omissions.len() as u64, failures, report })
+    }
+}
+
+/// Adds the points of another run of the same program, which has the same points in the same order.
+fn add(sum: &mut Vec<CoveragePoint>, points: Vec<CoveragePoint>) {
+    if sum.is_empty() {
+        *sum = points;
+        return;
+    }
+    for (sum, point) in sum.iter_mut().zip(points) {
+        // Bits begin each run with 0: one that rises in two runs has not fallen.
+        sum.hits = if point.kind == CoverageKind::Toggle { sum.hits.max(point.hits) } else { sum.hits + point.hits };
+    }
+}
+
+/// Whether a line or a branch was executed, or a bit has risen and fallen.
+fn is_hit(point: &CoveragePoint) -> bool {
+    point.hits >= if point.kind == CoverageKind::Toggle { 2 } else { 1 }
+}
+
+/// A design's text in Verilator.
+struct Covered<'d> {
+    design: &'d dyn Design,
+    text: Text,
+    /// All modules as printed.
+    source: String,
+    /// The bits that are proved to be constant, with their values.
+    constants: BTreeMap<Bit, bool>,
+    verilated: Verilated,
+    /// Has the program.
+    _folder: TempDir,
+}
+
+impl<'d> Covered<'d> {
+    fn new(design: &'d dyn Design) -> Result<Self, Error> {
+        let (top, folder) = (design.top(), temporary_folder()?);
+        let text = Text::new(&verilog::sources(top, &[])?);
+        let Sources { files, all, .. } = Sources::write(top, folder.path())?;
+        let source = String::from_utf8_lossy(&read(&all)?).into_owned();
+        let uncounted = design.covered_elsewhere()?;
+        let c_optimisation = design.c_optimisation();
+        let options = Options { coverage: true, uncounted, c_optimisation, ..Options::default() };
+        let verilated = Verilated::build_sources(&files, top, folder.path(), &options)?;
+        Ok(Self { design, text, source, constants: BTreeMap::new(), verilated, _folder: folder })
+    }
+
+    /// The points with their hits in all runs. Outputs that are not the model's are failures.
+    fn points(
+        &self,
+        runs: Range<u64>,
+        seed: u64,
+        omitted: Option<usize>,
+        failures: &mut Vec<String>,
+    ) -> Result<Vec<CoveragePoint>, Error> {
+        let mut sum: Vec<CoveragePoint> = Vec::new();
+        for number in runs {
+            let Run { frames, fault } = match self.design.run(seed, number, omitted) {
+                Ok(run) => run,
+                Err(problem) => {
+                    failures.push(format!("run {number}: {problem}"));
+                    continue;
+                }
+            };
+            let mut wrong = None;
+            let points = self.verilated.coverage(frames, |cycle, words| {
+                if let (None, Some(what)) = (&wrong, fault(cycle, words)) {
+                    wrong = Some(format!("run {number}, cycle {cycle}: {what}"));
+                }
+            })?;
+            failures.extend(wrong);
+            add(&mut sum, points);
+        }
+        Ok(sum)
+    }
+
+    fn is_out_of_reach(&self, point: &CoveragePoint) -> bool {
+        let constant = |name: &str| self.constants.get(&(point.module.clone(), name.to_string())).copied();
+        match point.kind {
+            CoverageKind::Line => self.text.is_default_of_complete_case(point),
+            CoverageKind::Branch => self.text.always(point).and_then(constant) == Some(true),
+            CoverageKind::Toggle => constant(&point.name).is_some(),
+        }
+    }
+
+    /// The counts of each kind. A hit of a point that is said to be out of reach is a failure.
+    fn counts(&self, points: &[CoveragePoint], failures: &mut Vec<String>) -> [Counts; 3] {
+        CoverageKind::ALL.map(|kind| {
+            let mut counts = Counts::default();
+            for point in points.iter().filter(|point| point.kind == kind) {
+                if self.design.is_left_out(point) {
+                    counts.left_out += 1;
+                } else if !self.is_out_of_reach(point) {
+                    counts.reachable += 1;
+                    counts.hit += u64::from(is_hit(point));
+                } else if is_hit(point) {
+                    let CoveragePoint { module, line, name, .. } = point;
+                    failures.push(format!("{module}, line {line}: {name} is said to be out of reach and was reached"));
+                } else {
+                    counts.unreachable += 1;
+                }
+            }
+            counts
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bit_that_rises_in_each_run_and_never_falls_is_not_covered() {
+        let points = |hits: u64| {
+            let point = |kind| CoveragePoint { kind, module: "m".into(), line: 1, name: "a".into(), hits };
+            CoverageKind::ALL.map(point).to_vec()
+        };
+        let mut sum = Vec::new();
+        for hits in [1, 0, 1] {
+            add(&mut sum, points(hits));
+        }
+        assert_eq!(
+            sum.iter().map(|point| (point.hits, is_hit(point))).collect::<Vec<_>>(),
+            [(2, true), (2, true), (1, false)]
+        );
+        add(&mut sum, points(2));
+        assert!(sum.iter().all(is_hit));
+    }
+}

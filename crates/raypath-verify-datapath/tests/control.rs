@@ -1,0 +1,103 @@
+//! Proofs of the control: they hold for the design, and the same commands find deliberate faults.
+
+use raypath_rtl::{Config, Control, Datapath, Interval, Lanes, UnitLatency};
+use raypath_verify::safety::{CheckResult, ModelChecker, ModuleTexts, TextFault};
+use raypath_verify_datapath::control::{never_leaves, problems, structural_faults};
+use std::sync::atomic::AtomicBool;
+
+static GO: AtomicBool = AtomicBool::new(false);
+
+fn config(control: Control) -> Config {
+    Config::DEFAULT.control(control).lanes(Lanes::Two).unit_latency(UnitLatency::Two)
+}
+
+/// The result of the problem whose name begins with `name`, of a design with or without a fault.
+fn result(config: Config, name: &str, fault: Option<TextFault>) -> Option<CheckResult> {
+    let datapath = Datapath::new(config).expect("a datapath");
+    let mut texts = ModuleTexts::new(datapath.top()).expect("text");
+    assert!(fault.is_none_or(|fault| texts.insert(fault)), "{fault:?}");
+    let all = problems(&datapath, config, &texts);
+    let problem = all.iter().find(|problem| problem.name.starts_with(name)).expect("a problem");
+    ModelChecker::find().expect("pyosys").check(problem, &GO).expect("a verdict")
+}
+
+#[test]
+fn faults_of_a_step_are_found() {
+    let (skid, credit) = (config(Control::Skid), config(Control::Credit));
+    for (config, problem, module, from, to) in [
+        // A job that arrives without ready.
+        (skid, "raypath_input: ", "raypath_skid", "valid_i & spare_empty_q", "valid_i"),
+        // A register that loads while it waits.
+        (skid, "raypath_input: ", "raypath_skid", "= leaves & refill", "= refill"),
+        // A ready that is the sink's.
+        (skid, "raypath_input: ", "raypath_skid", "assign ready_o = spare_empty_q", "assign ready_o = ready_i"),
+        // An accumulator that is written while it waits.
+        (skid, "raypath_stage_9_2: ", "raypath_stage_9_2", "= advance & (data_i.opcode", "= valid_i & (data_i.opcode"),
+        // A credit too many.
+        (credit, "raypath_credit: ", "raypath_credit", "available_q <= |count_d", "available_q <= 1'b1"),
+    ] {
+        let fault = TextFault { module, from, to };
+        assert_eq!(result(config, problem, None), Some(CheckResult::Holds), "{config}: {problem}");
+        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{config}: {problem}, {fault:?}");
+    }
+}
+
+#[test]
+fn faults_of_a_folded_pipeline_are_found() {
+    let folded = |control| Config::DEFAULT.control(control).lanes(Lanes::None).interval(Interval::Four);
+    let (skid, credit) = (folded(Control::Skid), folded(Control::Credit));
+    for (config, problem, module, from, to) in [
+        // A job that enters too early.
+        (credit, "raypath: raypath_order", "raypath_credit", "recent_q[1:0]", "2'b0"),
+        // A job that moves on while the one before it waits.
+        (skid, "raypath_rounds: ", "raypath_rounds", "= ~(at_q[10] & ~free_10)", "= 1'b1"),
+        // An opcode that is not loaded.
+        (skid, "raypath: raypath_order", "raypath_stage_2", "if (at_1_i)", "if (1'b0)"),
+    ] {
+        let fault = TextFault { module, from, to };
+        assert_eq!(result(config, problem, None), Some(CheckResult::Holds), "{config}: {problem}");
+        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{config}: {problem}, {fault:?}");
+    }
+}
+
+/// The item proves that these problems hold without the fault.
+#[test]
+fn faults_of_the_pipeline_are_found() {
+    let one = config(Control::Credit).unit_latency(UnitLatency::One);
+    for (config, problem, module, from, to) in [
+        // A job that overtakes those that wait at the exit.
+        (one, "raypath_stage_11: raypath_order", "raypath_exit", "valid_i & (stored | ~leaves)", "valid_i & ~leaves"),
+        // An output that changes while it is stalled.
+        (one, "raypath: raypath_stall", "raypath_exit", "= leaves & (stored | valid_i)", "= stored | valid_i"),
+        // A beat that reads before the one before has written.
+        (
+            config(Control::Skid),
+            "raypath: raypath_stall",
+            "raypath_stage_9_1",
+            "= angular_pending_q & is_angular",
+            "= 1'b0",
+        ),
+    ] {
+        let fault = TextFault { module, from, to };
+        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{problem}, {fault:?}");
+    }
+}
+
+#[test]
+fn the_structure_holds_and_jobs_leave() {
+    let checker = ModelChecker::find().expect("pyosys");
+    for &control in Control::ALL {
+        let config = config(control);
+        let datapath = Datapath::new(config).expect("a datapath");
+        assert_eq!(structural_faults(&datapath, config).expect("no loop"), Vec::<String>::new());
+        let texts = ModuleTexts::new(datapath.top()).expect("text");
+        let mut never = never_leaves(&datapath, config, &texts, "raypath_input");
+        assert_eq!(checker.check(&never, &GO).expect("a verdict"), Some(CheckResult::Fails));
+        let exit = datapath.module(datapath.steps().count() - 1).expect("a last step");
+        let leaves = never_leaves(&datapath, config, &texts, exit.name());
+        assert_eq!(checker.check(&leaves, &GO).expect("a verdict"), Some(CheckResult::Fails));
+        // A wrong number of assertions is an error.
+        never.assertions = 2;
+        checker.check(&never, &GO).expect_err("one assertion and not two");
+    }
+}

@@ -1,0 +1,8 @@
+//! All integration tests of the crate, in one program: it is linked once, and its tests share the cores.
+
+mod campaign;
+mod control;
+mod coverage;
+mod geometry;
+mod oracle;
+mod parts;

@@ -1,0 +1,154 @@
+//! The unit tests' operands on floating-point units with a fault.
+
+use rand::rngs::ChaCha8Rng;
+use raypath_float::Format;
+use raypath_hdl::Module;
+use raypath_rtl::Config;
+use raypath_verify::Error;
+use raypath_verify_arithmetic::units::bench::{Simulated, UnitResults, chain};
+use raypath_verify_arithmetic::units::operands::{self, CASES, RECODED_CASES, canonical, generator, host_results};
+use std::sync::Arc;
+
+/// A part of a floating-point unit, by its number.
+pub struct Unit {
+    kind: Kind,
+    parts: Vec<Arc<Module>>,
+    part: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Add,
+    Multiply,
+    Compare,
+    Encode,
+    Decode,
+}
+
+impl Unit {
+    /// The unit of a binary32 configuration with a part of this name.
+    pub fn of(config: Config, name: &str) -> Result<Option<Self>, Error> {
+        let (format, count) = (config.semantics.format, config.microarchitecture.unit_latency.steps());
+        let units = [
+            (Kind::Add, raypath_float::add_parts(format, count, false)?),
+            (Kind::Multiply, config.microarchitecture.multiplier.parts(format, count, false)?),
+            (Kind::Compare, vec![raypath_float::compare(format)?]),
+            (Kind::Encode, vec![raypath_float::encode(format)?]),
+            (Kind::Decode, vec![raypath_float::decode(format)?]),
+        ];
+        let found = units.into_iter().filter(|_| format == Format::BINARY32).find_map(|(kind, parts)| {
+            let part = parts.iter().position(|part| part.name() == name)?;
+            Some(Self { kind, parts, part })
+        });
+        Ok(found)
+    }
+
+    /// The unit test that fails with this module in place of the part, if any.
+    pub fn check(&self, module: &Arc<Module>) -> Result<Option<&'static str>, Error> {
+        let mut parts = self.parts.clone();
+        parts[self.part] = module.clone();
+        let whole = if parts.len() == 1 { module.clone() } else { chain(&parts)? };
+        let mut bench = Bench { kind: self.kind, unit: Simulated::new(&whole)? };
+        let checks: &[(&'static str, Check)] = match self.kind {
+            Kind::Encode | Kind::Decode => &[("unit test, conversions", Bench::converts)],
+            _ => &[
+                ("unit test, edges", Bench::answers_edges),
+                ("unit test, recoded words", Bench::answers_recoded),
+                ("unit test, hard operands", Bench::answers_hard_operands),
+            ],
+        };
+        Ok(checks.iter().find(|(_, check)| !check(&mut bench)).map(|(name, _)| *name))
+    }
+}
+
+type Check = fn(&mut Bench) -> bool;
+
+/// A unit in the netlist simulator, and its oracle.
+struct Bench {
+    kind: Kind,
+    unit: Simulated,
+}
+
+impl Bench {
+    /// The expected outputs, numbers in IEEE 754's format.
+    fn expected(&self, UnitResults { sum, product, less, equal, unordered, .. }: UnitResults) -> [u64; 3] {
+        match self.kind {
+            Kind::Add => [sum, 0, 0],
+            Kind::Multiply => [product, 0, 0],
+            _ => [less.into(), equal.into(), unordered.into()],
+        }
+    }
+
+    fn gives_numbers(&self) -> bool {
+        matches!(self.kind, Kind::Add | Kind::Multiply)
+    }
+
+    /// Whether the results for two binary32 numbers are right.
+    fn answers(&mut self, a: u32, b: u32) -> bool {
+        let format = Format::BINARY32;
+        let mut shown = self.unit.run([format.encode(a.into()), format.encode(b.into())]);
+        if self.gives_numbers() {
+            shown[0] = format.decode(shown[0]);
+        }
+        shown == self.expected(host_results(f32::from_bits(a), f32::from_bits(b)))
+    }
+
+    fn answers_edges(&mut self) -> bool {
+        let edges = operands::edges();
+        edges.iter().all(|&a| edges.iter().all(|&b| self.answers(a, b)))
+    }
+
+    /// Results must be canonical words.
+    fn answers_recoded(&mut self) -> bool {
+        let mut random = generator(5);
+        (0..RECODED_CASES).all(|_| {
+            let ((a, x), (b, y)) = (operands::recoded(&mut random), operands::recoded(&mut random));
+            let mut expected = self.expected(host_results(x, y));
+            if self.gives_numbers() {
+                expected[0] = Format::BINARY32.encode(expected[0]);
+            }
+            self.unit.run([a, b]) == expected
+        })
+    }
+
+    /// Starts with the operands of the unit's own test, because those of the others rarely find more.
+    fn answers_hard_operands(&mut self) -> bool {
+        type Operands = fn(&mut ChaCha8Rng) -> (u32, u32);
+        let all: [(u64, Operands); 3] =
+            [(1, operands::for_sums), (2, operands::for_products), (3, operands::for_comparisons)];
+        let first = match self.kind {
+            Kind::Multiply => 1,
+            Kind::Compare => 2,
+            _ => 0,
+        };
+        (0..all.len()).map(|offset| all[(first + offset) % all.len()]).all(|(seed, operands)| {
+            let mut random = generator(seed);
+            (0..CASES).all(|_| {
+                let (a, b) = operands(&mut random);
+                self.answers(a, b)
+            })
+        })
+    }
+
+    fn converts(&mut self) -> bool {
+        let format = Format::BINARY32;
+        let mut random = generator(4);
+        let numbers =
+            operands::edges_of_conversions().chain((0..CASES).map(|_| operands::for_conversions(&mut random)));
+        for number in numbers {
+            let is_right = match self.kind {
+                Kind::Encode => self.unit.run([number.into()]) == [format.encode(number.into())],
+                _ => self.unit.run([format.encode(number.into())]) == [canonical(f32::from_bits(number))],
+            };
+            if !is_right {
+                return false;
+            }
+        }
+        let mut random = generator(5);
+        self.kind == Kind::Encode
+            || (0..RECODED_CASES).all(|_| {
+                let (word, number) = operands::recoded(&mut random);
+                self.unit.run([word]) == [canonical(number)]
+            })
+    }
+}

@@ -1,0 +1,261 @@
+//! A campaign of the whole unit: netlist and functional model return the same for random scenes, rays, memories and
+//! users of the channels, and the cycle-exact model has the netlist's outputs in every cycle.
+
+use crate::built;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_ops::Rules;
+use raypath_rtl::{Config, Control};
+use raypath_traversal::blocks::NodeKind;
+use raypath_traversal::state::status;
+use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
+use raypath_traversal::{
+    LEVELS, NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitModel, UnitNetlist,
+    UnitParameters,
+};
+use raypath_verify::Error;
+use serde::{Deserialize, Serialize};
+
+/// A unit of the campaign.
+pub struct Subject {
+    /// The netlist.
+    pub unit: UnitNetlist,
+}
+
+/// What episodes had in common, and what they found.
+#[derive(Debug, Default, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Episodes that ran.
+    pub episodes: u64,
+    /// Cycles of netlists.
+    pub cycles: u64,
+    /// Rays that ended as the functional model says.
+    pub rays: u64,
+    /// Rays that ended in an error of the memory.
+    pub errors: u64,
+    /// Rays that a reset ended.
+    pub lost: u64,
+    /// Resets while rays were inside.
+    pub resets: u64,
+}
+
+impl Counts {
+    /// Adds the counts of other episodes.
+    pub fn add(&mut self, other: &Self) {
+        self.episodes += other.episodes;
+        self.cycles += other.cycles;
+        self.rays += other.rays;
+        self.errors += other.errors;
+        self.lost += other.lost;
+        self.resets += other.resets;
+    }
+}
+
+/// The rays of an episode.
+const RAYS: usize = 96;
+/// The rays of an episode whose rays visit thousands of nodes.
+const DEEP_RAYS: usize = 8;
+
+/// Barycentric coordinates alone.
+const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, instances: false };
+
+/// The units of the campaign: contexts, stack, nodes, width of the memory, latency of division, control, optional
+/// parts.
+const SUBJECTS: [(u32, u32, NodeKind, u32, u32, Control, UnitFeatures); 8] = [
+    (8, 2, NodeKind::Wide4, 256, 2, Control::Skid, UnitFeatures::OFF),
+    (16, 4, NodeKind::Wide4, 512, 9, Control::Credit, UnitFeatures::OFF),
+    (11, 8, NodeKind::Wide4, 128, 1, Control::Credit, WEIGHTS),
+    (64, 16, NodeKind::Wide4, 1024, 5, Control::Skid, UnitFeatures::OFF),
+    (32, 32, NodeKind::Wide4, 512, 27, Control::Skid, WEIGHTS),
+    (9, 2, NodeKind::Wide4, 128, 9, Control::Credit, UnitFeatures::OFF),
+    (40, 2, NodeKind::Quantised, 512, 2, Control::Skid, WEIGHTS),
+    (12, 2, NodeKind::Wide4, 512, 3, Control::Skid, UnitFeatures { barycentrics: true, instances: true }),
+];
+
+impl Subject {
+    /// The units of the campaign.
+    ///
+    /// # Errors
+    /// A unit cannot be built.
+    pub fn all() -> Result<Vec<Self>, Error> {
+        let subject = |(config, parameters)| Ok(Self { unit: built(config, parameters)? });
+        settings().map(subject).collect()
+    }
+}
+
+/// The configurations of the campaign's datapaths, and the parameters of the units around them.
+pub fn settings() -> impl Iterator<Item = (Config, UnitParameters)> {
+    SUBJECTS.into_iter().map(|(contexts, stack, node, memory_width, divider_latency, control, features)| {
+        let step = StepParameters { stack, node, features };
+        let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width: 16 };
+        (Config::DEFAULT.control(control), parameters)
+    })
+}
+
+/// What is random in an episode.
+pub struct Episode {
+    /// The scene.
+    pub scene: BlockScene,
+    /// The rays, whose numbers are their places.
+    pub rays: Vec<RayRequest>,
+    behaviour: Behaviour,
+    /// The cycles of the longest stall.
+    longest_stall: u64,
+    /// Rays may end in an error of the scene.
+    is_odd: bool,
+    /// The probability of a reset in a cycle, in 65,536ths.
+    resets: u32,
+}
+
+impl Episode {
+    /// The episode with this number in the campaign of this seed, for a unit with these parameters of a step, and the
+    /// generator of what else is random in it.
+    ///
+    /// One in nine, so that each of eight units in turn has its share, has a scene as deep as a unit can walk, and no
+    /// reset and no error that ends a ray before.
+    pub fn of(StepParameters { node, features, .. }: StepParameters, seed: u64, number: u64) -> (Self, ChaCha8Rng) {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(number);
+        let random = &mut generator;
+        let is_deepest = number % 9 == 8;
+        let has_instances = features.instances && !is_deepest && random.random_range(0..4) > 0;
+        let size = if is_deepest { 4 } else { random.random_range(0..5) };
+        let is_odd = has_instances && random.random();
+        let ((scene, root), count) = match [1, 8, 40, 300].get(size) {
+            _ if has_instances => {
+                let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(1 + 4 * size as u32, is_odd, random);
+                ((blocks, root), RAYS)
+            }
+            Some(&triangles) => (BlockScene::random_of(node, triangles, random), RAYS),
+            None if is_deepest => (BlockScene::deep_of(node, LEVELS, random), DEEP_RAYS),
+            // The last of these is too deep.
+            None => (BlockScene::deep_of(node, random.random_range(30..66), random), DEEP_RAYS),
+        };
+        let rays = (0..count).map(|_| random_ray(root, random)).collect();
+        // A slow memory would take most of the cycles of deep scenes.
+        let slowest = if count == DEEP_RAYS { 2 } else { 4 };
+        let least = [1, 1, 5, 40][random.random_range(0..slowest)];
+        let latency = (least, least + [0, 3, 60, 460][random.random_range(0..slowest)]);
+        let longest_stall = [1, 1, 1, 200][random.random_range(0..4)];
+        let shares = if longest_stall == 1 { [0, 0, 26, 128, 240] } else { [0, 1, 2, 4, 8] };
+        let stalls = std::array::from_fn(|_| shares[random.random_range(0..5)]);
+        let errors = if is_odd { 0 } else { [0, 0, 200, 4000][random.random_range(0..4)] };
+        let resets = [0, 0, 40, 400][random.random_range(0..4)];
+        let (errors, resets) = if is_deepest { (0, 0) } else { (errors, resets) };
+        let behaviour = Behaviour { latency, stalls, errors };
+        (Self { scene, rays, behaviour, longest_stall, is_odd, resets }, generator)
+    }
+
+    /// The memory with the scene, and the users of the other channels.
+    pub fn environment(&self, parameters: UnitParameters, seed: u64) -> Environment<'_> {
+        Environment::new(&self.scene.0, parameters.memory_width, self.rays.clone(), self.behaviour, seed)
+            .with_longest_stall(self.longest_stall)
+            .of_nodes(parameters.step.node)
+    }
+
+    /// Drives engines in lockstep until all rays have ended or were lost in a reset, in at most so many cycles. Returns
+    /// the number of resets.
+    ///
+    /// # Errors
+    /// What the engines did wrong.
+    pub fn drive(
+        &self,
+        environment: &mut Environment<'_>,
+        engines: &mut [&mut dyn UnitEngine],
+        limit: u64,
+        random: &mut ChaCha8Rng,
+    ) -> Result<u64, String> {
+        let mut resets = 0;
+        while !environment.is_done() {
+            if random.random_range(0..65_536) < self.resets && resets < MOST_RESETS {
+                environment.reset(engines);
+                resets += 1;
+            }
+            environment.cycle(engines).map_err(|problem| problem.to_string())?;
+            if environment.idle() > IDLE || environment.cycles() > limit {
+                let (ended, cycles) = (environment.replies.len(), environment.cycles());
+                return Err(format!("{ended} of {} rays ended within {cycles} cycles", self.rays.len()));
+            }
+        }
+        Ok(resets)
+    }
+}
+
+/// Runs the episode of a seed and a number on a unit, in at most so many cycles, if given.
+///
+/// # Errors
+/// What the unit did wrong.
+pub fn run(
+    netlist: &mut NetlistEngine,
+    unit: &UnitNetlist,
+    [seed, number]: [u64; 2],
+    most: Option<u64>,
+) -> Result<Counts, String> {
+    let (mut cycle_exact, parameters) = (UnitModel::of(unit), unit.parameters);
+    let (episode, mut random) = Episode::of(parameters.step, seed, number);
+    netlist.restart_randomly(random.random());
+    let mut environment = episode.environment(parameters, random.random());
+    let Episode { scene, rays, behaviour, longest_stall, is_odd, .. } = &episode;
+    let (behaviour, longest_stall) = (*behaviour, *longest_stall);
+    let mut counts = Counts { episodes: 1, ..Counts::default() };
+    let mut model = Unit::new(Rules::Paper, parameters.step);
+    let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
+    let limit = most.unwrap_or_else(|| limit(&expected, behaviour, longest_stall));
+    counts.resets = episode.drive(&mut environment, &mut [netlist, &mut cycle_exact], limit, &mut random)?;
+    // Rays that end in an error in any memory: a block with an error may have ended them instead.
+    let mut always = 0;
+    for (&id, reply) in &environment.replies {
+        let expected = expected[id as usize];
+        // An error of the memory ends a ray earlier.
+        let is_error = behaviour.errors > 0 && reply.status == status::ERROR && expected.status != status::REFUSED;
+        if format!("{reply:?}") == format!("{expected:?}") {
+            always += u64::from(reply.status == status::ERROR);
+        } else if is_error
+            && reply.hit.is_none()
+            && reply.nodes <= expected.nodes
+            && reply.triangles <= expected.triangles
+        {
+            counts.errors += 1;
+        } else {
+            return Err(format!("ray {id}, {:?}: found {reply:?}, expected {expected:?}", rays[id as usize]));
+        }
+        counts.rays += 1;
+    }
+    let (blocks, errors) = (environment.failed_blocks(), counts.errors);
+    if counts.resets == 0 && !*is_odd && !(errors..=errors + always).contains(&blocks) {
+        return Err(format!("{blocks} blocks had errors, and {errors} rays ended in one"));
+    }
+    counts.lost = (rays.len() - environment.replies.len()) as u64;
+    counts.cycles = environment.cycles();
+    Ok(counts)
+}
+
+/// The most resets in an episode.
+const MOST_RESETS: u64 = 8;
+
+/// Cycles after which a unit in which nothing moves has lost a ray. Users of the channels stall for less.
+const IDLE: u64 = 4_000;
+
+/// Cycles that suffice for all rays, one after the other, with the slowest users of the channels.
+fn limit(expected: &[Reply], behaviour: Behaviour, longest_stall: u64) -> u64 {
+    let blocks: u64 = expected.iter().map(|reply| u64::from(2 * reply.nodes + reply.triangles) + 4).sum();
+    let share = u64::from(behaviour.stalls.into_iter().max().unwrap_or(0));
+    let slowest = 1 + longest_stall * share / (256 - share);
+    20_000 + blocks * (behaviour.latency.1 + 100) * 2 * slowest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_episode_in_nine_walks_the_deepest_scene_to_its_end() {
+        for (_, parameters) in settings() {
+            let (episode, _) = Episode::of(parameters.step, 1, 8);
+            assert_eq!((episode.behaviour.errors, episode.resets), (0, 0));
+            let mut model = Unit::new(Rules::Paper, parameters.step);
+            let nodes = episode.rays.iter().map(|ray| model.trace(&episode.scene.0[..], ray).nodes);
+            assert!(nodes.max() >= Some(LEVELS), "{parameters}");
+        }
+    }
+}
