@@ -143,6 +143,7 @@ fn the_systemc_module_works_with_credits_and_units_of_two_steps() {
 }
 
 #[test]
+#[ignore = "compiles cbindgen"]
 fn the_header_is_current() {
     run(Command::new(root().join("scripts/raypath-header.sh")).arg("--check"));
 }

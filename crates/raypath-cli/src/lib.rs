@@ -7,6 +7,7 @@
 
 #[cfg(feature = "full")]
 pub mod accuracy;
+mod build;
 mod commands;
 mod cost;
 mod error;
@@ -18,6 +19,7 @@ mod progress;
 #[cfg(feature = "workbench")]
 pub mod workbench;
 
+pub use build::Build;
 pub use commands::{CommandLine, main, run};
 pub use cost::{Cost, Figures};
 pub use error::CliError;

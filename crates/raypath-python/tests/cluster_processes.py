@@ -116,20 +116,23 @@ def processes() -> Iterator[Callable[..., subprocess.Popen[str]]]:
 class Dask:
     """A scheduler of Dask at a port of its own, and its workers."""
 
-    def __init__(self, start: Callable[..., subprocess.Popen[str]], folder: Path) -> None:
+    def __init__(self, start: Callable[..., subprocess.Popen[str]], folder: Path, tls: list[str] | None = None) -> None:
         self._start = start
+        self._tls = [f"--tls-{kind}={path}" for kind, path in zip(("ca-file", "cert", "key"), tls or [])]
         self._folder = folder
         with socket.socket() as found:
             found.bind(("127.0.0.1", 0))
             self._port = found.getsockname()[1]
-        self.address = f"tcp://127.0.0.1:{self._port}"
+        self.address = f"{'tls' if tls else 'tcp'}://127.0.0.1:{self._port}"
         self.scheduler: subprocess.Popen[str]
 
     def start(self) -> None:
         """Starts the scheduler and a worker with one thread, which is started again when it ends."""
-        options = ["--host", "127.0.0.1", "--port", str(self._port), "--no-dashboard"]
+        protocol = ["--protocol", self.address.partition(":")[0]]
+        options = [*protocol, "--host", "127.0.0.1", "--port", str(self._port), "--no-dashboard", *self._tls]
         self.scheduler = self._dask("scheduler", *options)
-        self._dask("worker", self.address, "--nthreads", "1", "--no-dashboard", "--memory-limit", "0")
+        options = [*protocol, "--nthreads", "1", "--no-dashboard", "--memory-limit", "0", *self._tls]
+        self._dask("worker", self.address, *options)
 
     def _dask(self, *words: str) -> subprocess.Popen[str]:
         # A process blocks when the pipe of its output is full and has no reader.

@@ -49,6 +49,7 @@ mod verilator;
 mod verilator_coverage;
 mod verilator_main;
 mod verilator_stream;
+mod versions;
 mod yosys;
 
 pub use abc::Abc;
@@ -68,4 +69,5 @@ pub use smt::SmtSolver;
 pub use sources::Sources;
 pub use verilator::{Options, Verilated, VerilatedStream};
 pub use verilator_coverage::{CoverageKind, CoveragePoint};
+pub use versions::versions;
 pub use yosys::{Yosys, YosysKind};

@@ -11,6 +11,7 @@ mod render;
 mod replay;
 mod search;
 mod unit;
+mod verify;
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -78,7 +78,7 @@ mod tests {
             let light = Light::try_parse_from(line).map_err(|error| error.to_string()).expect("a listed command");
             let message = light.command.run(&mut Vec::new()).expect_err("it is missing").to_string();
             let words = arguments.join(" ");
-            assert!(message.contains(&format!("cargo run --release --features full -- {words}`")), "{message}");
+            assert!(message.contains(&format!("cargo raypath {words}`")), "{message}");
             assert!(message.contains("`cargo install --path crates/raypath --features full`"), "{message}");
         }
     }

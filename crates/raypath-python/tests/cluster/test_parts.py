@@ -13,7 +13,7 @@ from raypath.cluster.cli import main
 from raypath.cluster.driver import Driver
 from raypath.cluster.errors import ClusterError
 from raypath.cluster.plan import Plan
-from raypath.cluster.shard import ShardError, compute
+from raypath.cluster.shard import ShardError, compute, private_cache
 from raypath.cluster.store import DamagedResultError, Result, Store
 
 
@@ -23,7 +23,7 @@ def planned(program: Path, command: str, *words: str, shards: int = 3) -> Plan:
 
 def test_each_item_is_divided(program: Path, tmp_path: Path) -> None:
     found = planned(
-        program, "verify", "--jobs=7", "models", "--record", str(tmp_path), "watertight", "--preset", "credit"
+        program, "verify", "--jobs=7", "models", "--out", str(tmp_path), "watertight", "--preset", "credit"
     )
     # The items are in the order in which raypath runs them.
     assert [part.name for part in found.parts] == ["watertight", "models"]
@@ -31,9 +31,9 @@ def test_each_item_is_divided(program: Path, tmp_path: Path) -> None:
         f"raypath verify watertight --jobs=7 --preset credit --shard {number}/3" for number in (1, 2, 3)
     ]
     assert len({shard.key for shard in found.shards}) == 6
-    whole = ["--jobs=7", "models", "--record", str(tmp_path), "watertight", "--preset", "credit", "--merge", "parts"]
+    whole = ["--jobs=7", "models", "--out", str(tmp_path), "watertight", "--preset", "credit", "--merge", "parts"]
     assert found.merge(list(found.parts), Path("parts"))[1:] == ["verify", *whole]
-    rest = ["--jobs=7", "--record", str(tmp_path), "--preset", "credit", "--merge", "parts"]
+    rest = ["--jobs=7", "--out", str(tmp_path), "--preset", "credit", "--merge", "parts"]
     assert found.merge([found.parts[0]], Path("parts"))[1:] == ["verify", "watertight", *rest]
     listed = subprocess.run([program, "verify", "--list"], check=True, capture_output=True, text=True).stdout
     assert len(planned(program, "verify").parts) == listed.count("\n  claim ")
@@ -55,6 +55,8 @@ def test_wrong_arguments_are_errors(program: Path, capsys: pytest.CaptureFixture
         (["render", "--shard", "1/2"], "--shard: this option is for one machine"),
         (["verify", "nothing"], "invalid value 'nothing'"),
         (["verify", "sums", "--scheduler", "nowhere://"], "--scheduler nowhere://: "),
+        (["verify", "sums", "--scheduler", "tls://127.0.0.1:1"], "expected tls://HOST:PORT and --tls, both or neither"),
+        (["verify", "sums", "--tls", "a", "b", "c"], "--scheduler local: expected tls://HOST:PORT and --tls"),
     ]:
         assert main([words[0], "--program", str(program), *words[1:]]) == 2
         assert expected in capsys.readouterr().err
@@ -103,3 +105,18 @@ def test_a_store_gives_back_what_it_has(tmp_path: Path) -> None:
     blocked.folder.write_text("")
     with pytest.raises(ClusterError, match=r"file/results/ab/ab12: cannot write: Not a directory"):
         blocked.put("ab12", {}, result)
+
+
+def test_a_cache_that_others_may_write_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder = private_cache()
+    assert folder.parent == tmp_path
+    assert folder.stat().st_mode & 0o777 == 0o700
+    assert private_cache() == folder
+    folder.chmod(0o770)
+    with pytest.raises(ClusterError, match="mode 770, expected a folder of user .* with mode 700"):
+        private_cache()
+    folder.rmdir()
+    folder.symlink_to(tmp_path)
+    with pytest.raises(ClusterError, match="expected a folder"):
+        private_cache()

@@ -1,7 +1,6 @@
 //! `raypath bench`: the speed of the models, compared with Verilator on the same hardware and obvhs on the same rays.
 
 mod growth;
-mod interface;
 mod models;
 mod netlist;
 mod peers;
@@ -46,8 +45,6 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     models::rays(&mut results, SHORT_RUN_FACTOR * repetitions);
     say("the cycle-exact model");
     models::cycle_exact(&mut results, SHORT_RUN_FACTOR * repetitions);
-    say("the C interface");
-    interface::run(&mut results, SHORT_RUN_FACTOR * repetitions)?;
     say("the netlist");
     netlist::run(&mut results, repetitions, !arguments.no_verilator)?;
     say("the traversal unit");

@@ -11,9 +11,9 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Several machines")]
 pub struct DivisionArguments {
-    /// The part of the work for this machine: 2/5 is the second part of five
-    #[arg(long, default_value = "1/1", value_name = "I/N")]
-    pub shard: Shard,
+    /// The part of the work for this machine: 2/5 is the second part of five [default: 1/1]
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
     /// Write the results of the shard to a file, for --merge
     #[arg(long, value_name = "FILE.json")]
     part: Option<PathBuf>,
@@ -41,21 +41,31 @@ impl DivisionArguments {
             Some(folder) => Some((folder.clone(), Part::read_all(folder, VERSION, &work)?)),
             None => None,
         };
-        Ok(Division { work, shard: self.shard, part: self.part.clone(), merged, tasks: BTreeMap::new() })
+        Ok(Division { work, shard: self.shard(), part: self.part.clone(), merged, tasks: BTreeMap::new() })
     }
 
     /// Begins work whose result is whole: an error for a shard without a file for its part.
     pub fn begin_whole(&self, work: String) -> Result<Division, CliError> {
-        if self.part.is_none() && self.shard != Shard::ALL {
-            let problem = format!("--shard {}: a shard has no result of its own, expected --part too", self.shard);
+        if self.part.is_none() && self.shard() != Shard::ALL {
+            let problem = format!("--shard {}: a shard has no result of its own, expected --part too", self.shard());
             return Err(CliError::unusable(problem));
         }
         self.begin(work)
     }
 
+    /// The part of the work, or all of it.
+    pub fn shard(&self) -> Shard {
+        self.shard.unwrap_or(Shard::ALL)
+    }
+
     /// Whether the command computes a shard, or merges the results of shards.
     pub fn is_divided(&self) -> bool {
         self.part.is_some() || self.merge.is_some()
+    }
+
+    /// Whether the user chose a part of the work, or where its results go or come from.
+    pub fn is_chosen(&self) -> bool {
+        self.shard.is_some() || self.is_divided()
     }
 }
 

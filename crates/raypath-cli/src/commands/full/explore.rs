@@ -93,7 +93,7 @@ fn measured(arguments: &Arguments, configurations: &[(String, Config)]) -> Resul
     let mut parts = division.parts(TASK)?;
     let begin = Instant::now();
     let shards = parts.phase(|| {
-        let shard = arguments.division.shard;
+        let shard = arguments.division.shard();
         let (numbers, designs): (Vec<u64>, Vec<Design>) = (0..)
             .zip(configurations)
             .filter(|(number, _)| shard.takes(*number))

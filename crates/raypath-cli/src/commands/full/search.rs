@@ -228,7 +228,7 @@ impl Arguments {
         let mut parts = division.parts(TASK)?;
         let begin = Instant::now();
         let shards = parts.phase(|| {
-            let Range { start, end } = self.division.shard.range(queries.len() as u64);
+            let Range { start, end } = self.division.shard().range(queries.len() as u64);
             let Some(queries) = queries.range(start as usize..end as usize) else { return Ok(SavedResults::default()) };
             let search = |progress: Progress<'_>| lanes.exact(base, metric, &queries, k, progress);
             let results = watched("queries", queries.len(), search)?;

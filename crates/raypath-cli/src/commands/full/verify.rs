@@ -1,4 +1,6 @@
-//! `raypath verify`: checks of the claims about the datapath with their oracles.
+//! `raypath verify`: checks of the claims about hardware and models with their oracles.
+
+mod results;
 
 use crate::commands::full::division::{Division, DivisionArguments};
 use crate::progress;
@@ -6,10 +8,11 @@ use crate::{CliError, DatapathArguments, whole};
 use clap::Args;
 use raypath_rtl::Config;
 use raypath_tools::parts::Parts;
-use raypath_verify::{Item, Level, Request, Verdict};
+use raypath_verify::{Item, Level, Request, Shard, ShardError, Verdict};
+use results::Results;
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -20,7 +23,8 @@ pub struct Arguments {
     /// List the items with their claims and oracles, and do nothing
     #[arg(long)]
     list: bool,
-    /// The effort: seconds for each item, minutes for each item, or hours
+    /// The effort: seconds for each item, minutes for each item, or hours. Level `regression` does a tenth of its work,
+    /// which follows from the date, unless `--shard`, `--jobs`, `--merge`, an item or a configuration is chosen
     #[arg(long, default_value = "regression", value_name = "regression|full|long")]
     level: Level,
     /// The number of jobs, for items with jobs [default: by the level]
@@ -32,6 +36,9 @@ pub struct Arguments {
     /// Write commit, versions of programs, and the work, time and verdict of each item to this file, as JSON
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Show what has changed since the commit of results that `--out` wrote, and do nothing
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["list", "out"])]
+    since: Option<PathBuf>,
     #[command(flatten)]
     division: DivisionArguments,
     #[command(flatten)]
@@ -61,17 +68,22 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     if arguments.list {
         return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(CliError::from);
     }
+    if let Some(path) = &arguments.since {
+        return results::since(path, out);
+    }
     let Arguments { level, seed, .. } = arguments;
+    let shard = if is_divided_by_days(arguments) { shard_of_today()? } else { arguments.division.shard() };
     let jobs = arguments.jobs.map_or(String::new(), |jobs| format!(", {jobs} jobs"));
     let mut division =
         arguments.division.begin(format!("verify, level {}, seed {seed}{jobs}, {name}", level.name()))?;
-    writeln!(out, "Level {}, seed {seed}, shard {}.", level.name(), arguments.division.shard)?;
-    let (mut wrong, mut not_run) = (Vec::new(), Vec::new());
+    let part = format!("part {} of {}", shard.number() + 1, shard.count());
+    writeln!(out, "Level {}, seed {seed}, {part}.", level.name())?;
+    let (mut wrong, mut not_run, mut results) = (Vec::new(), Vec::new(), Results::new(*level, *seed, shard));
     for item in chosen {
         describe(item, out)?;
         out.flush()?;
         let begin = Instant::now();
-        match verify(item, arguments, config, &division) {
+        match verify(item, arguments, config, shard, &division) {
             Ok((verdict, parts)) => {
                 let seconds = parts.seconds().unwrap_or(begin.elapsed().as_secs_f64());
                 report(&verdict, seconds, out)?;
@@ -82,9 +94,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
                     return Err(stopped(item.name, &wrong));
                 }
                 division.keep(item.name, parts, seconds);
+                results.add(item, &verdict, seconds);
             }
             Err(problem) => {
                 writeln!(out, "  not run  {problem}")?;
+                results.add_missing(item, &problem);
                 not_run.push(format!("{}: {problem}", item.name));
             }
         }
@@ -92,11 +106,33 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     if let Some(message) = division.write()? {
         writeln!(out, "{message}")?;
     }
+    if let Some(path) = &arguments.out {
+        results.write(path)?;
+        writeln!(out, "\nWrote the results to {}.", path.display())?;
+    }
     match (wrong.is_empty(), not_run.is_empty()) {
         (false, _) => Err(CliError::Mismatch(format!("wrong: {}", wrong.join(", ")))),
         (true, false) => Err(CliError::unusable(format!("not run: {}", not_run.join("; ")))),
-        (true, true) => Ok(writeln!(out, "All claims hold.")?),
+        (true, true) if shard == Shard::ALL => Ok(writeln!(out, "\nAll claims hold.")?),
+        (true, true) => Ok(writeln!(out, "\n{part}; all claims of this part hold")?),
     }
+}
+
+/// The parts of level `regression`, one for each day.
+const DAYS: u64 = 10;
+
+/// Whether only the part of today runs: all items at level `regression`, without a choice of the work.
+fn is_divided_by_days(arguments: &Arguments) -> bool {
+    let Arguments { items, level, jobs, division, datapath, .. } = arguments;
+    let is_chosen = !items.is_empty() || jobs.is_some() || division.is_chosen() || !datapath.is_default();
+    *level == Level::Regression && !is_chosen
+}
+
+/// The part of today (UTC): in ten days in a row, each part runs once.
+fn shard_of_today() -> Result<Shard, CliError> {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
+    let shard = format!("{}/{DAYS}", seconds / (24 * 60 * 60) % DAYS + 1);
+    shard.parse().map_err(|problem: ShardError| CliError::unusable(problem))
 }
 
 /// The items that the user named, or all. With options of a configuration, only items that depend on it.
@@ -121,6 +157,7 @@ fn verify(
     item: &Item,
     arguments: &Arguments,
     config: Config,
+    shard: Shard,
     division: &Division,
 ) -> Result<(Verdict, Parts), CliError> {
     let parts = division.parts(item.name)?;
@@ -131,7 +168,7 @@ fn verify(
         let total = step.total as usize;
         progress.get_or_insert_with(|| progress::Progress::new(item.name, total)).of(total).at(reached)
     };
-    let Arguments { level, jobs, seed, division: DivisionArguments { shard, .. }, .. } = *arguments;
+    let Arguments { level, jobs, seed, .. } = *arguments;
     let added = arguments.datapath.specs.iter().map(|spec| spec.name().to_string()).collect();
     let is_chosen = !arguments.datapath.is_default();
     let mut request = Request { config, added, is_chosen, level, jobs, seed, shard, parts, proceed: &mut watch };

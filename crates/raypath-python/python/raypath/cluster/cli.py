@@ -52,6 +52,13 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--reconnect", type=float, default=300.0, metavar="SECONDS", help="wait for a lost scheduler [default: 300]"
     )
     parser.add_argument(
+        "--tls",
+        type=Path,
+        nargs=3,
+        metavar=("CA", "CERT", "KEY"),
+        help="PEM files of the authority, of this client's certificate and of its key, for an address tls://...",
+    )
+    parser.add_argument(
         "--slurm",
         type=_pair,
         action="append",
@@ -101,10 +108,21 @@ def _run(options: argparse.Namespace, arguments: list[str]) -> int:
     path = program.find(options.program)
     division = plan.plan(options.command, arguments, options.shards, options.threads, path, options.program is not None)
     store = Store(options.store)
-    choice = Choice(options.scheduler, options.workers, dict(options.slurm))
+    choice = Choice(options.scheduler, options.workers, dict(options.slurm), _tls(options))
     with connection(choice) as connect:
         outcome = Driver(division.shards, store, connect, options.reconnect).run()
     return _merge(division, outcome, store)
+
+
+def _tls(options: argparse.Namespace) -> tuple[Path, Path, Path] | None:
+    """The files of ``--tls``, which must exist and belong to an address ``tls://...``, and such an address needs them."""
+    is_encrypted = options.scheduler.startswith("tls://")
+    if is_encrypted != (options.tls is not None):
+        raise ClusterError(f"--scheduler {options.scheduler}: expected tls://HOST:PORT and --tls, both or neither")
+    for path in options.tls or ():
+        if not path.is_file():
+            raise ClusterError(f"--tls {path}: no such file, expected a PEM file")
+    return tuple(options.tls) if options.tls else None
 
 
 def _merge(division: plan.Plan, outcome: Outcome, store: Store) -> int:

@@ -30,7 +30,7 @@ TIMING = (
 """Options with a value of the simulated timing, which is one for the whole result."""
 
 WHOLE = {
-    "verify": ("--record",),
+    "verify": ("--out",),
     "explore": ("--out", "--budget", "--batch"),
     "search": ("--out", "--truth", "--queries-in-flight", *TIMING),
     "render": ("--out", "--heatmap", "--rays-in-flight", *TIMING),

@@ -9,6 +9,7 @@ import logging
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Callable
 
 from raypath.cluster.errors import ClusterError
@@ -24,12 +25,14 @@ class Choice:
     """Where to run.
 
     ``scheduler`` is "local", "slurm", or an address such as "tcp://10.0.0.1:8786". ``workers`` is the number of
-    workers to start, for the first two. ``slurm`` are keyword arguments of ``dask_jobqueue.SLURMCluster``.
+    workers to start, for the first two. ``slurm`` are keyword arguments of ``dask_jobqueue.SLURMCluster``. ``tls`` are
+    the files of the authority, the certificate and the key of this client, for an address ``tls://...``.
     """
 
     scheduler: str
     workers: int
     slurm: dict[str, Any]
+    tls: tuple[Path, Path, Path] | None = None
 
 
 @contextlib.contextmanager
@@ -50,7 +53,7 @@ def connection(choice: Choice) -> Iterator[Callable[[], Any]]:
                 started.append(_local(choice.workers) if address == "local" else _slurm(choice))
             address = started[0]
         try:
-            return client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+            return client(address, timeout=CONNECT_SECONDS, set_as_default=False, security=_security(choice))
         except (OSError, asyncio.TimeoutError) as problem:
             raise ConnectionError(f"--scheduler {choice.scheduler}: {problem}") from problem
         except ValueError as problem:
@@ -64,6 +67,15 @@ def connection(choice: Choice) -> Iterator[Callable[[], Any]]:
     finally:
         for cluster in started:
             cluster.close()
+
+
+def _security(choice: Choice) -> Any:
+    """The encryption of a connection; None where the address asks for none."""
+    if choice.tls is None:
+        return None
+    ca, certificate, key = (str(path) for path in choice.tls)
+    security = library("distributed").Security
+    return security(tls_ca_file=ca, tls_client_cert=certificate, tls_client_key=key, require_encryption=True)
 
 
 def library(name: str) -> Any:

@@ -8,6 +8,7 @@ import os
 import shutil
 import signal
 import socket
+import stat
 import subprocess
 import tempfile
 import threading
@@ -87,7 +88,7 @@ def compute(shard: Shard) -> Result:
     arguments = [*shard.arguments, "--shard", shard.shard, "--part", PART]
     if shard.arguments[0] == "explore" and "--cache" not in shard.arguments:
         # Shards on one machine share the syntheses of blocks.
-        arguments += ["--cache", str(Path(tempfile.gettempdir()) / f"raypath-ppa-cache-{os.getuid()}")]
+        arguments += ["--cache", str(private_cache())]
     try:
         with tempfile.TemporaryDirectory(prefix="raypath-shard-") as folder:
             return _run([str(path), *arguments], shard, Path(folder), _is_wanted())
@@ -126,6 +127,24 @@ def _run(command: list[str], shard: Shard, folder: Path, is_wanted: Callable[[],
         raise ShardError(f"raypath {ended}\n{text}")
     content = gzip.compress(part.read_bytes(), compresslevel=1, mtime=0)
     return Result(code, time.monotonic() - begin, socket.gethostname(), text, content)
+
+
+def private_cache() -> Path:
+    """The cache of syntheses, which ``explore`` trusts. Raises ``ClusterError`` if others may write to it."""
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "raypath-ppa"
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileExistsError):
+            folder.mkdir(mode=0o700)
+        found = folder.lstat()
+    except OSError as problem:
+        raise ClusterError(f"{folder}: cannot use as a cache: {problem.strerror}") from problem
+    mode = stat.S_IMODE(found.st_mode)
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or mode & 0o077:
+        raise ClusterError(
+            f"{folder}: owner {found.st_uid}, mode {mode:o}, expected a folder of user {os.getuid()} with mode 700"
+        )
+    return folder
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:

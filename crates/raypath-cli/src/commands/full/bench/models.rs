@@ -101,22 +101,6 @@ fn timed<I: Family, O: Family>(
     jobs.len() as f64 / time
 }
 
-/// Jobs of the four operations in turn.
-pub fn mixed_jobs() -> Vec<Job> {
-    Workload::new().mixed(JOBS)
-}
-
-/// The cycles per second of the cycle-exact model that is offered a job in every cycle, and whose sink is ready.
-pub fn cycle_exact_rate(jobs: &[Job], repetitions: usize) -> f64 {
-    let mut model = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &Shape::default());
-    let time = seconds(repetitions, || {
-        for job in jobs {
-            black_box(model.cycle(Some(black_box(job)), true));
-        }
-    });
-    jobs.len() as f64 / time
-}
-
 /// Measures the cycle-exact model: a job in every cycle, a sink that stalls at random, and idle cycles between jobs.
 pub fn cycle_exact(results: &mut Results, repetitions: usize) {
     let jobs = Workload::new().mixed(JOBS);

@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         let mut parts = division.parts(TASK)?;
         let begin = Instant::now();
         let shards = parts.phase(|| {
-            let own: Vec<usize> = arguments.division.shard.of(search.first_set()).collect();
+            let own: Vec<usize> = arguments.division.shard().of(search.first_set()).collect();
             measurer.measure(&own)?;
             Ok::<BTreeMap<usize, Report>, CliError>(measurer.reports.clone())
         })?;

@@ -39,7 +39,7 @@ impl<'a> Divided<'a> {
         size: (u32, u32),
         shading: &Shading,
     ) -> Result<Option<Rendering>, CliError> {
-        let rows = self.arguments.shard.range(size.1.into());
+        let rows = self.arguments.shard().range(size.1.into());
         let rows = rows.start as u32..rows.end as u32;
         let shards = self.parts.phase(|| {
             let pixels = rows.len() * size.0 as usize;
@@ -61,7 +61,7 @@ impl<'a> Divided<'a> {
         rays: &[Ray<Binary32>],
         tracing: Tracing,
     ) -> Result<Vec<Option<Hit>>, CliError> {
-        let Range { start, end } = self.arguments.shard.range(rays.len() as u64);
+        let Range { start, end } = self.arguments.shard().range(rays.len() as u64);
         let rays = &rays[start as usize..end as usize];
         let shards = self.parts.phase(|| {
             let (hits, _) = watched("rays", rays.len(), |watch| trace_closest(scene, rays, tracing, watch))?;
