@@ -1,5 +1,6 @@
 //! `raypath explore`: area and timing of many configurations, all of them or those that a search needs.
 
+mod against;
 mod exact;
 mod search;
 mod space;
@@ -11,7 +12,7 @@ use crate::error::CliError;
 use clap::Args;
 use raypath_ppa::charts::scatter;
 use raypath_ppa::tables::explored;
-use raypath_ppa::{Design, DesignPoint, Exploration, Report};
+use raypath_ppa::{Baseline, Design, DesignPoint, Exploration, Report};
 use raypath_rtl::{Config, PRESETS, Preset};
 use raypath_sim::configuration;
 use raypath_sim::files::write_all;
@@ -36,6 +37,10 @@ pub struct Arguments {
     division: DivisionArguments,
     #[command(flatten)]
     search: search::SearchArguments,
+    /// Print a table in Markdown with area and slowest stage as multiples of another design's, whose reports are
+    /// DIR/lanes-none/ppa.json, DIR/lanes-16/ppa.json and so on; without a report a row has no multiples
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "goal", "objective"])]
+    against: Option<PathBuf>,
     /// The folder to write explore.json, explore.svg or explore.html, and each configuration's report to
     #[arg(long, default_value = "build/explore", value_name = "DIR")]
     out: PathBuf,
@@ -49,11 +54,18 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         return search::run(arguments, out);
     }
     let configurations = configurations(arguments)?;
+    // Read first, so that an error is reported before minutes of work.
+    let baselines: Vec<Option<Baseline>> = match &arguments.against {
+        Some(folder) => {
+            configurations.iter().map(|(_, config)| against::baseline(folder, *config)).collect::<Result<_, _>>()?
+        }
+        None => Vec::new(),
+    };
     let reports = match measured(arguments, &configurations)? {
         Measured::All(reports) => reports,
         Measured::Shard(message) => return Ok(writeln!(out, "{message}")?),
     };
-    let points = configurations.into_iter().zip(reports);
+    let points = configurations.iter().zip(reports);
     let points = points
         .map(|((name, config), report)| {
             DesignPoint::new(name, config.options(), config.semantics.lanes.count(), report)
@@ -73,7 +85,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         writeln!(out, "{}", ppa::json(&exploration)?)?;
         return Ok(());
     }
-    writeln!(out, "{}\n", explored(&exploration))?;
+    if arguments.against.is_some() {
+        let configs = configurations.iter().map(|(_, config)| *config);
+        let rows: Vec<_> = exploration.points.iter().zip(configs).zip(&baselines).collect();
+        writeln!(out, "{}", against::table(&rows)?)?;
+    } else {
+        writeln!(out, "{}\n", explored(&exploration))?;
+    }
     writeln!(out, "Wrote {0}/explore.json, {0}/explore.svg and each report to {0}/NAME.", folder.display())?;
     Ok(())
 }
