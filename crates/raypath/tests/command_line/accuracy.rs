@@ -129,8 +129,9 @@ fn a_measurement_can_be_stopped() {
 fn the_document_quotes_the_output_of_the_command() {
     let document = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/formats.md"));
     let document = document.expect("docs/reference/formats.md");
-    assert!(document.contains("cargo run --release --features full -- accuracy\n"));
-    let output = raypath(&["accuracy"]);
+    let arguments = ["accuracy", "--format", "fp32,bf16,fp16"];
+    assert!(document.contains(&format!("cargo run --release --features full -- {}\n", arguments.join(" "))));
+    let output = raypath(&arguments);
     assert!(output.status.success());
     let printed = String::from_utf8(output.stdout).expect("text");
     assert!(document.contains(&printed), "accuracy prints other than docs/reference/formats.md has:\n{printed}");
