@@ -31,7 +31,6 @@ mod flatten;
 mod formula;
 mod graph;
 mod jit;
-mod lanes;
 pub mod mutate;
 mod names;
 mod netlist;
@@ -50,7 +49,6 @@ pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
 pub use expose::{expose_memories, expose_registers, with_enables};
 pub use flatten::{depends_combinationally, influences};
 pub use formula::Formula;
-pub use lanes::{LANES, LaneSimulator};
 pub use names::problem as name_problem;
 pub use netlist::{
     Arm, Column, Driver, Instance, Item, Label, MemoryInfo, Module, Port, RegisterInfo, Signal, SignalId,

@@ -254,8 +254,18 @@ impl Driver {
     operands!(operands_mut, iter_mut, &mut);
 
     /// The signals that it reads within the cycle and within the module.
-    pub(crate) fn operands(&self) -> impl Iterator<Item = SignalId> {
+    pub fn operands(&self) -> impl Iterator<Item = SignalId> {
         self.operand_references().into_iter().copied()
+    }
+
+    /// Whether another driver is the same operator with the same parameters, whatever the operands are.
+    pub fn has_operator_of(&self, other: &Self) -> bool {
+        let [a, b] = [self, other].map(|driver| {
+            let mut driver = driver.clone();
+            driver.renumber(|_| SignalId(0));
+            driver
+        });
+        a == b
     }
 
     /// Replaces every operand.

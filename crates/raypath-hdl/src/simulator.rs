@@ -55,43 +55,6 @@ pub struct Probe {
     slot: usize,
 }
 
-/// The methods that [`Simulator`] and [`LaneSimulator`](crate::LaneSimulator) share.
-macro_rules! common_methods {
-    () => {
-        /// The module that it executes.
-        pub fn module(&self) -> &Arc<Module> {
-            &self.module
-        }
-
-        /// The input port of this name.
-        pub fn input(&self, name: &str) -> Result<InputPort, Error> {
-            let slot = self.module.input_position(name)?;
-            let width = self.module.signal(self.module.inputs[slot].signal).width;
-            Ok(InputPort { slot, mask: $crate::netlist::mask(width) })
-        }
-
-        /// The output port of this name.
-        pub fn output(&self, name: &str) -> Result<OutputPort, Error> {
-            Ok(OutputPort { slot: self.module.inputs.len() + self.module.output_position(name)? })
-        }
-
-        /// Drives `rst_ni`: low if `asserted`. The reset is asynchronous: registers with a reset value take it at once,
-        /// without an edge, and hold it until the reset ends. Outputs follow at the next evaluation.
-        pub fn set_reset(&mut self, asserted: bool) {
-            self.reset = asserted;
-            if asserted {
-                self.apply_reset();
-            }
-        }
-
-        /// Whether the reset is asserted.
-        pub fn is_reset(&self) -> bool {
-            self.reset
-        }
-    };
-}
-pub(crate) use common_methods;
-
 impl Simulator {
     /// Compiles `module`. Logic on which no output depends, even through registers, is left out.
     ///
@@ -145,7 +108,36 @@ impl Simulator {
         Ok(simulator)
     }
 
-    common_methods!();
+    /// The module that it executes.
+    pub fn module(&self) -> &Arc<Module> {
+        &self.module
+    }
+
+    /// The input port of this name.
+    pub fn input(&self, name: &str) -> Result<InputPort, Error> {
+        let slot = self.module.input_position(name)?;
+        let width = self.module.signal(self.module.inputs[slot].signal).width;
+        Ok(InputPort { slot, mask: mask(width) })
+    }
+
+    /// The output port of this name.
+    pub fn output(&self, name: &str) -> Result<OutputPort, Error> {
+        Ok(OutputPort { slot: self.module.inputs.len() + self.module.output_position(name)? })
+    }
+
+    /// Drives `rst_ni`: low if `asserted`. The reset is asynchronous: registers with a reset value take it at once,
+    /// without an edge, and hold it until the reset ends. Outputs follow at the next evaluation.
+    pub fn set_reset(&mut self, asserted: bool) {
+        self.reset = asserted;
+        if asserted {
+            self.apply_reset();
+        }
+    }
+
+    /// Whether the reset is asserted.
+    pub fn is_reset(&self) -> bool {
+        self.reset
+    }
 
     /// Sets an input, until it is set again. Bits above its width are ignored.
     pub fn set(&mut self, input: InputPort, value: u64) {

@@ -3,7 +3,6 @@
 mod builder_errors;
 mod clock_gates;
 mod hierarchy;
-mod lanes;
 mod memories;
 mod mutate;
 mod operators;

@@ -6,7 +6,7 @@ mod every;
 use every::{Expected, Operands, every_operator};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_hdl::{Builder, InputPort, LANES, LaneSimulator, Module, OutputPort, Simulator};
+use raypath_hdl::{Builder, Module, Simulator};
 use std::sync::Arc;
 
 fn operands(width: u32) -> Vec<Operands> {
@@ -45,33 +45,6 @@ fn compare(module: &Arc<Module>, expected: &[(String, Expected)], width: u32) {
         simulator.settle();
         for ((name, expected), &output) in expected.iter().zip(&outputs) {
             assert_eq!(u128::from(simulator.get(output)), expected(o), "{name} at width {width} of {o:?}");
-        }
-    }
-    compare_lanes(module, expected, width, inputs, &outputs);
-}
-
-/// The same with different operands in every lane.
-fn compare_lanes(
-    module: &Arc<Module>,
-    expected: &[(String, Expected)],
-    width: u32,
-    inputs: [InputPort; 4],
-    outputs: &[OutputPort],
-) {
-    let mut simulator = LaneSimulator::new(module).unwrap();
-    for lanes in operands(width).chunks(LANES) {
-        let of_lanes =
-            |part: fn(Operands) -> u128| std::array::from_fn(|lane| lanes.get(lane).map_or(0, |o| part(*o) as u64));
-        simulator.set(inputs[0], &of_lanes(|o| o.a));
-        simulator.set(inputs[1], &of_lanes(|o| o.b));
-        simulator.set(inputs[2], &of_lanes(|o| o.c));
-        simulator.set(inputs[3], &of_lanes(|o| o.far));
-        simulator.settle();
-        for ((name, expected), &output) in expected.iter().zip(outputs) {
-            let shown = simulator.get(output);
-            for (lane, (&o, shown)) in lanes.iter().zip(shown).enumerate() {
-                assert_eq!(u128::from(shown), expected(o), "{name} at width {width} of {o:?} in lane {lane}");
-            }
         }
     }
 }

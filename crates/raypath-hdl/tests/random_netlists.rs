@@ -6,7 +6,7 @@ mod netlists;
 use netlists::{Contents, netlist};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_hdl::{Driver, LANES, LaneSimulator, MemoryInfo, Module, SignalId, Simulator, expand_memories};
+use raypath_hdl::{Driver, MemoryInfo, Module, SignalId, Simulator, expand_memories};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -189,54 +189,6 @@ fn compare(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
     }
 }
 
-/// Different inputs in every lane and the same reset: each lane is compared with a simulator of its own, and a few
-/// lanes with the interpreter.
-fn compare_lanes(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
-    let mut lanes = LaneSimulator::new(module).unwrap();
-    let mut single = Simulator::new(module).unwrap();
-    let inputs: Vec<_> = module.inputs().iter().map(|port| lanes.input(&port.name).unwrap()).collect();
-    let outputs: Vec<_> = module.outputs().iter().map(|port| lanes.output(&port.name).unwrap()).collect();
-    let mut cycles = Vec::new();
-    for _ in 0..20 {
-        let reset = random.random_range(0..10) == 0;
-        lanes.set_reset(reset);
-        let mut lanes_of_words = || -> [u64; LANES] { std::array::from_fn(|_| random_word(random)) };
-        let given: Vec<_> = inputs.iter().map(|_| lanes_of_words()).collect();
-        for (&port, values) in inputs.iter().zip(&given) {
-            lanes.set(port, values);
-        }
-        lanes.cycle();
-        let shown: Vec<_> = outputs.iter().map(|&port| lanes.get(port)).collect();
-        cycles.push((reset, given, shown));
-    }
-    for lane in 0..LANES {
-        single.restart();
-        let mut scope = (lane % 101 == 0).then(|| Scope::new(module));
-        for (cycle, (reset, given, shown)) in cycles.iter().enumerate() {
-            single.set_reset(*reset);
-            inputs.iter().zip(given).for_each(|(&port, values)| single.set(port, values[lane]));
-            single.cycle();
-            if let Some(scope) = &mut scope {
-                scope.begin_cycle(*reset);
-                for ((input, info), values) in scope.inputs.iter_mut().zip(module.inputs()).zip(given) {
-                    *input = Some(u128::from(values[lane]) % (1 << module.signal(info.signal).width));
-                }
-                scope.evaluate();
-            }
-            for ((port, &output), shown) in module.outputs().iter().zip(&outputs).zip(shown) {
-                let place = format!("{} of lane {lane} in cycle {cycle} of seed {seed}", port.name);
-                assert_eq!(shown[lane], single.get(output), "{place}");
-                if let Some(scope) = &mut scope {
-                    assert_eq!(u128::from(shown[lane]), scope.value(port.signal), "{place}, interpreted");
-                }
-            }
-            if let Some(scope) = &mut scope {
-                scope.edge(*reset);
-            }
-        }
-    }
-}
-
 /// Every named signal and every output port of a scope and those inside it.
 fn compare_observed(simulator: &Simulator, scope: &mut Scope<'_>, prefix: &str, place: &str) {
     let module = scope.module;
@@ -266,7 +218,6 @@ fn random_netlists_agree_with_the_interpreter() {
         let clocked = module("clocked", 30, 5, &[large.clone(), small.clone()]);
         let top = module("top", 40, 6, &[large.clone(), clocked.clone(), large, clocked, small]);
         compare(&top, &mut random, seed);
-        compare_lanes(&top, &mut random, seed);
         if seed % 10 == 0 {
             compare(&expand_memories(&top).unwrap(), &mut random, seed);
         }

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::gates::{Gates, NetId, ONE};
 use crate::logic::{MAX_INPUTS, Output, evaluate};
 use crate::netlist::Direction;
-use raypath_hdl::{InputPort, LANES, LaneSimulator, Module, OutputPort};
+use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_tools::ToolError;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -55,7 +55,7 @@ pub struct GateSimulator<'g> {
     /// The state of each cell that is a flip-flop.
     states: Vec<u64>,
     flip_flops: Vec<u32>,
-    text: LaneSimulator,
+    text: Simulator,
     inputs: Vec<(InputPort, &'g [NetId])>,
     outputs: Vec<(&'g str, OutputPort, &'g [NetId])>,
     /// The clock, and those behind clock gates. The value of a clock is whether it has a pulse in the cycle.
@@ -70,7 +70,7 @@ impl<'g> GateSimulator<'g> {
     /// # Errors
     /// A netlist with a combinational loop, or gates without its ports.
     pub fn new(gates: &'g Gates, top: &Arc<Module>) -> Result<Self, Error> {
-        let text = LaneSimulator::new(top)?;
+        let text = Simulator::new(top)?;
         let port = |name: &str, direction: Direction| {
             let found = gates.ports.iter().find(|(known, of, _)| known == name && *of == direction);
             let missing = || ToolError::unexpected("yosys", format!("no port {name}"), "the ports of the netlist");
@@ -107,7 +107,7 @@ impl<'g> GateSimulator<'g> {
     /// # Errors
     /// An output that differs from the netlist's, with port, stream and cycle; [`ToolError::Stopped`].
     pub fn run(&mut self, workload: &Workload, stop: &AtomicBool) -> Result<Activity, ToolError> {
-        self.text.restart();
+        let of_text = self.of_text(workload, stop)?;
         self.states.fill(0);
         self.values.fill(0);
         self.values[ONE as usize] = u64::MAX;
@@ -124,14 +124,12 @@ impl<'g> GateSimulator<'g> {
             }
             self.set(frame);
             self.settle();
-            self.text.settle();
-            self.compare(workload, cycle)?;
+            self.compare(workload, cycle, &of_text)?;
             if cycle >= workload.warm_up.max(1) {
                 activity.add(&before, &self.values);
             }
             before.copy_from_slice(&self.values);
             self.clock_edge();
-            self.text.cycle();
         }
         // A clock has two transitions in each cycle with a pulse, and is 1 in half of it.
         for clock in &self.clocks {
@@ -141,10 +139,31 @@ impl<'g> GateSimulator<'g> {
         Ok(activity)
     }
 
+    /// What the netlist before synthesis shows at its outputs: for each stream, the ports of each frame in turn.
+    fn of_text(&mut self, workload: &Workload, stop: &AtomicBool) -> Result<Vec<Vec<u64>>, ToolError> {
+        let mut all = Vec::with_capacity(STREAMS);
+        for stream in 0..STREAMS {
+            if stop.load(Ordering::Relaxed) {
+                return Err(ToolError::Stopped);
+            }
+            self.text.restart();
+            self.text.set_reset(true);
+            self.text.cycle();
+            self.text.set_reset(false);
+            let mut shown = Vec::with_capacity(workload.frames.len() * self.outputs.len());
+            for frame in &workload.frames {
+                for ((port, _), values) in self.inputs.iter().zip(frame) {
+                    self.text.set(*port, values[stream]);
+                }
+                self.text.cycle();
+                shown.extend(self.outputs.iter().map(|(_, port, _)| self.text.get(*port)));
+            }
+            all.push(shown);
+        }
+        Ok(all)
+    }
+
     fn reset_cycle(&mut self) {
-        self.text.set_reset(true);
-        self.text.cycle();
-        self.text.set_reset(false);
         self.settle();
         self.clock_edge();
         if let Some(reset) = self.reset {
@@ -153,10 +172,7 @@ impl<'g> GateSimulator<'g> {
     }
 
     fn set(&mut self, frame: &Frame) {
-        let mut lanes = [0; LANES];
-        for ((port, nets), values) in self.inputs.iter().zip(frame) {
-            lanes[..STREAMS].copy_from_slice(values);
-            self.text.set(*port, &lanes);
+        for ((_, nets), values) in self.inputs.iter().zip(frame) {
             for (bit, net) in nets.iter().enumerate() {
                 let of_streams = values.iter().enumerate().map(|(stream, value)| (value >> bit & 1) << stream);
                 self.values[*net as usize] = of_streams.sum();
@@ -206,8 +222,7 @@ impl<'g> GateSimulator<'g> {
         }
     }
 
-    fn compare(&self, workload: &Workload, cycle: usize) -> Result<(), ToolError> {
-        let of_text: Vec<[u64; LANES]> = self.outputs.iter().map(|(_, port, _)| self.text.get(*port)).collect();
+    fn compare(&self, workload: &Workload, cycle: usize, of_text: &[Vec<u64>]) -> Result<(), ToolError> {
         let at = |stream| format!("in cycle {cycle} of {}, stream {stream}", workload.name);
         let mut values = vec![0; self.outputs.len()];
         for stream in 0..STREAMS {
@@ -215,8 +230,8 @@ impl<'g> GateSimulator<'g> {
                 let bits = nets.iter().enumerate();
                 *value = bits.map(|(bit, net)| (self.values[*net as usize] >> stream & 1) << bit).sum();
             }
-            for ((name, ..), (found, expected)) in self.outputs.iter().zip(values.iter().zip(&of_text)) {
-                let expected = expected[stream];
+            let of_text = &of_text[stream][cycle * self.outputs.len()..];
+            for ((name, ..), (found, &expected)) in self.outputs.iter().zip(values.iter().zip(of_text)) {
                 if *found != expected {
                     let found = format!("{name} is {found:x} {}", at(stream));
                     let expected = format!("{expected:x} as in the netlist before synthesis");

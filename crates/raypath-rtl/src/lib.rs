@@ -15,6 +15,7 @@
 
 mod allocate;
 mod config;
+pub mod dataflow;
 mod datapath;
 mod emit;
 mod error;

@@ -4,6 +4,7 @@ use crate::engine::{NetlistEngine, shape};
 use raypath_float::Format;
 use raypath_model::{CycleModel, ModelOptions, WordModel, WordOperation};
 use raypath_ops::Operation;
+use raypath_rtl::dataflow::OperationGraph;
 use raypath_rtl::{
     self as rtl, Budget, Config, Error, Features, Microarchitecture, OperationVisitor, Operations, Semantics,
 };
@@ -135,6 +136,11 @@ impl Datapath {
         rtl::Datapath::build(operations, self.config.microarchitecture)
     }
 
+    /// The dataflow of each operation.
+    pub fn dataflows(&self) -> Vec<OperationGraph> {
+        self.operations.iter().map(|(_, operation)| operation.dataflow()).collect()
+    }
+
     /// The functional model.
     pub fn model(&self) -> WordModel {
         let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;
@@ -189,10 +195,17 @@ pub trait AnyOperation: WordOperation {
     /// # Errors
     /// An operation that does not fit: those of [`Operations::with`].
     fn add_to(&self, operations: Operations, opcode: u64) -> Result<Operations, Error>;
+
+    /// The dataflow of the operation.
+    fn dataflow(&self) -> OperationGraph;
 }
 
 impl<O: Operation + Send + Sync> AnyOperation for O {
     fn add_to(&self, operations: Operations, opcode: u64) -> Result<Operations, Error> {
         operations.with(self, opcode)
+    }
+
+    fn dataflow(&self) -> OperationGraph {
+        rtl::dataflow::record(self)
     }
 }

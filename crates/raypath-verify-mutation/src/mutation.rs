@@ -1,20 +1,16 @@
 //! Mutation testing: whether the regression tests find a fault in the netlist.
 
-mod logic;
 mod mutant;
-mod report;
-mod symbolic;
 mod trial;
 mod units;
 
-use mutant::{Mutant, MutantResult, Subject, choose, subjects};
+use crate::report::{Fate, Judged, Report};
+use mutant::{Mutant, Subject, choose, subjects};
 use raypath_float::Format;
 use raypath_hdl::mutate::replace;
 use raypath_rtl::{Config, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing};
-use raypath_tools::{ToolError, pool};
+use raypath_tools::pool::{self, Shard};
 use raypath_verify::{Error, Level, Request, Verdict};
-use report::Report;
-use std::path::Path;
 use std::sync::Arc;
 use trial::Trial;
 
@@ -45,50 +41,46 @@ pub const CONFIGS: [Config; 10] = [
 /// The file with the result of each mutant.
 const LIST: &str = "build/verify/mutants.txt";
 
-/// Runs the checks of the regression tests on a sample of the faults of all modules.
+/// Runs the checks of the regression tests on a sample of the faults of all modules. A shard has some of the faults; at
+/// level regression it has those of some of the configurations, because each takes time to elaborate.
 pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let count = request.jobs.unwrap_or(request.level.pick(120, 2400, 10_000)) as usize;
-    let subjects = subjects(&CONFIGS)?;
-    let mutants = choose(&subjects, count, request.seed);
-    let proves_modules = request.level > Level::Regression;
-    let report = check_all(&subjects, &mutants, request, &|trial| trial.run(proves_modules))?;
-    report.write(Path::new(LIST))?;
-    let mut verdict = report.verdict();
-    if request.parts.is_saved() {
-        // The score is that of the whole sample: a few mutants of a shard may have a low one.
-        verdict.failures.clear();
-    }
-    Ok(verdict)
+    let all = || (0..).zip(CONFIGS);
+    let (configs, shard): (Vec<Config>, Shard) = match request.level {
+        Level::Regression => {
+            (all().filter(|(number, _)| request.shard.takes(*number)).map(|it| it.1).collect(), Shard::ALL)
+        }
+        _ => (CONFIGS.to_vec(), request.shard),
+    };
+    let subjects = subjects(&configs)?;
+    let mutants = choose(&subjects, count * configs.len() / CONFIGS.len(), request.seed);
+    check_all(&subjects, &mutants, request, shard, &|trial| trial.run())?.verdict(request, LIST)
 }
 
-type Check<'a> = &'a (dyn Fn(&Trial<'_>) -> Result<MutantResult, Error> + Sync);
+type Check<'a> = &'a (dyn Fn(&Trial<'_>) -> Result<Fate, Error> + Sync);
 
 /// Runs `check` on each mutant of the shard, on all cores.
-fn check_all<'s>(
-    subjects: &'s [Subject],
-    mutants: &[Mutant<'s>],
+fn check_all(
+    subjects: &[Subject],
+    mutants: &[Mutant<'_>],
     request: &mut Request<'_>,
+    shard: Shard,
     check: Check<'_>,
-) -> Result<Report<'s>, Error> {
-    let cases = request.cases(mutants.len() as u64, 1);
+) -> Result<Report, Error> {
+    let own: Vec<&Mutant<'_>> = (0..).zip(mutants).filter(|(number, _)| shard.takes(*number)).map(|it| it.1).collect();
+    let mut is_stopped = false;
     let shards = request.parts.phase(|| {
-        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
-            let mut results = Vec::new();
-            queue.run(|number, _| {
-                results.push((number, check(&trial(&mutants[number as usize])?)?));
-                Ok(())
-            });
-            Ok(results)
+        let judged = pool::map::<_, _, Error>(&own, pool::ALL_CORES, request.proceed, |mutant, _| {
+            let subject = format!("{} ({})", mutant.subject.module.name(), mutant.subject.datapath.config);
+            let (fault, fate) = (mutant.fault.to_string(), check(&trial(mutant)?)?);
+            Ok(Some(Judged { subject, fault, fate }))
         })?;
-        Ok::<_, Error>(finished.workers.concat())
+        is_stopped = judged.iter().any(Option::is_none);
+        Ok::<Vec<Judged>, Error>(judged.into_iter().flatten().collect())
     })?;
-    let mut report = Report::new(subjects, cases.share() as usize);
-    for (number, result) in shards.into_iter().flatten() {
-        let mutant = mutants.get(number as usize);
-        let mutant = mutant.ok_or_else(|| ToolError::unexpected("a part", format!("mutant {number}"), "a mutant"))?;
-        report.add(mutant, result);
-    }
-    Ok(report)
+    let population = subjects.iter().map(|subject| subject.faults.len()).sum();
+    let population = (population, format!("{} modules", subjects.len()));
+    Ok(Report { judged: shards.concat(), population, is_stopped })
 }
 
 /// Builds a mutant's module and datapath.

@@ -2,147 +2,120 @@
 //!
 //! Netlist and models follow from one function, so that they agree about a fault in it. Here each fault is put into the
 //! dataflow that the function describes, before anything follows from it, and must be refused by an oracle that does
-//! not come from the function: the exact one of this crate.
+//! not come from the function: the exact one of the campaigns.
 
 mod evaluate;
 mod faults;
-mod graph;
 mod jobs;
 mod question;
-mod replay;
-mod report;
-mod staging;
 mod subjects;
 #[cfg(test)]
 mod tests;
 
-use graph::Id;
-use question::{Known, Scope, Solver};
+use crate::report::{Fate, Judged, Report};
+use question::Known;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
-use raypath_model::WordModel;
-use raypath_tools::pool;
-use raypath_verify::{Error, Progress, Request, Verdict};
+use raypath_tools::{SmtSolver, ToolError, pool};
+use raypath_verify::{Error, Request, Verdict};
 use raypath_verify_datapath::oracle::Oracle;
-use raypath_verify_datapath::subjects::Subject as Tested;
-use report::{Fate, Report};
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-use subjects::Subject;
+use std::sync::atomic::AtomicBool;
+use subjects::{OracleOf, Planned, Subject, plan};
 
 /// The file with the fate of each fault.
 const LIST: &str = "build/verify/operation-mutants.txt";
 
-/// Runs faults of all operations: a sample at level regression, otherwise all.
+/// The questions of one run of Z3.
+const QUESTIONS: usize = 8;
+
+/// Runs a sample of the faults of all operations. A shard has some of the operations.
 ///
 /// # Errors
 /// Z3 is missing, or a file cannot be written.
 pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let jobs = request.jobs.unwrap_or(JOBS) as usize;
-    let oracle = |tested: &Tested, model: &WordModel| Oracle::new(tested.config.semantics, model);
-    let subjects = subjects::all(request, jobs, &oracle)?;
-    let sample = request.level.pick(SAMPLE, usize::MAX, usize::MAX);
-    let mut report = check_all(&subjects, sample, request, &Solver::find()?)?;
-    report.staging = staging::check(request)?;
-    report.write(Path::new(LIST))?;
-    let mut verdict = report.verdict();
-    if request.parts.is_saved() {
-        // The score is that of all shards together.
-        verdict.failures.clear();
-    }
+    check_all(request, &|tested, model| Oracle::new(tested.config.semantics, model))
+}
+
+/// [`run`] with these oracles.
+fn check_all(request: &mut Request<'_>, oracle: OracleOf<'_>) -> Result<Verdict, Error> {
+    let (planned, shard, seed) = (plan(), request.shard, request.seed);
+    let jobs = request.jobs.unwrap_or(request.level.pick(1024, 8192, 8192)) as usize;
+    let population: usize = planned.iter().map(|planned| planned.faults.len()).sum();
+    let sample = request.level.pick(600, 6000, population);
+    let own: Vec<&Planned> = (0..).zip(&planned).filter(|(number, _)| shard.takes(*number)).map(|it| it.1).collect();
+    let mut is_stopped = false;
+    let shards = request.parts.phase(|| {
+        let z3 = SmtSolver::z3()?;
+        let judged = pool::map::<_, _, Error>(&own, pool::ALL_CORES, request.proceed, |planned, stop| {
+            let subject = planned.subject(jobs, seed, oracle);
+            let mut chosen: Vec<usize> = (0..planned.faults.len()).collect();
+            chosen.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+            chosen.truncate((chosen.len() * sample).div_ceil(population));
+            let judged = judged(&subject, &chosen, &z3, stop)?;
+            Ok(judged.map(|judged| (judged, subject.refused)))
+        })?;
+        is_stopped = judged.iter().any(Option::is_none);
+        Ok::<Vec<(Vec<Judged>, Option<String>)>, Error>(judged.into_iter().flatten().collect())
+    })?;
+    let (judged, refused): (Vec<_>, Vec<_>) = shards.into_iter().flatten().unzip();
+    let population = (population, format!("{} operations", planned.len()));
+    let mut verdict = Report { judged: judged.concat(), population, is_stopped }.verdict(request, LIST)?;
+    verdict.failures.extend(refused.into_iter().flatten());
     Ok(verdict)
 }
 
-/// Jobs of each operation.
-const JOBS: u64 = 8192;
-
-/// Faults at level regression.
-const SAMPLE: usize = 1000;
-
-/// The questions of one run of Z3.
-const QUESTIONS: usize = 8;
-
-/// The fates of the shard's part of a sample of the faults, on all cores.
-fn check_all<'s>(
-    subjects: &'s [Subject],
-    sample: usize,
-    request: &mut Request<'_>,
-    solver: &Solver,
-) -> Result<Report<'s>, Error> {
-    let all = subjects.iter().flat_map(|subject| (0..subject.faults.len()).map(move |fault| (subject, fault)));
-    let mut chosen: Vec<(usize, Chosen<'_>)> = all.enumerate().collect();
-    if sample < chosen.len() {
-        chosen.shuffle(&mut ChaCha8Rng::seed_from_u64(request.seed));
-        chosen.truncate(sample);
+/// The fates of faults, by number; none if `stop` is set meanwhile.
+fn judged(
+    subject: &Subject<'_>,
+    chosen: &[usize],
+    z3: &SmtSolver,
+    stop: &AtomicBool,
+) -> Result<Option<Vec<Judged>>, Error> {
+    let mut judged: Vec<Judged> = chosen.iter().map(|&fault| subject.judged(fault)).collect();
+    match prove(subject, chosen, &mut judged, z3, stop) {
+        Err(ToolError::Stopped) => Ok(None),
+        other => Ok(other.map(|()| Some(judged))?),
     }
-    let cases = request.cases(chosen.len() as u64, 1);
-    let mut is_stopped = false;
-    let shards = request.parts.phase(|| {
-        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
-            let mut fates = Vec::new();
-            queue.run(|number, _| {
-                let (id, (subject, fault)) = chosen[number as usize];
-                fates.push((id, subject.fate(fault)));
-                Ok(())
-            });
-            Ok(fates)
-        })?;
-        let mut fates: BTreeMap<usize, Fate> = finished.workers.concat().into_iter().collect();
-        let by_id: BTreeMap<usize, Chosen<'_>> = chosen.iter().copied().collect();
-        is_stopped = finished.is_stopped || !prove(&mut fates, &by_id, solver, request.proceed)?;
-        Ok::<_, Error>(fates)
-    })?;
-    Ok(Report::new(subjects, shards.into_iter().flatten().collect(), is_stopped))
 }
 
-/// A subject and the position of a fault.
-type Chosen<'s> = (&'s Subject, usize);
-
-/// Tries to prove that survivors are equivalent. Returns whether the work came to its end.
+/// Tries to prove that survivors are equivalent.
 fn prove(
-    fates: &mut BTreeMap<usize, Fate>,
-    by_id: &BTreeMap<usize, Chosen<'_>>,
-    solver: &Solver,
-    proceed: &mut dyn FnMut(Progress) -> bool,
-) -> Result<bool, Error> {
-    let survivors = |fates: &BTreeMap<usize, Fate>| -> Vec<usize> {
-        fates.iter().filter(|(_, fate)| **fate == Fate::Survived).map(|(id, _)| *id).collect()
-    };
-    let with_survivors: BTreeMap<&str, &Subject> =
-        survivors(fates).iter().map(|id| (by_id[id].0.name.as_str(), by_id[id].0)).collect();
-    let with_survivors: Vec<&Subject> = with_survivors.into_values().collect();
-    let lemmas = pool::map::<_, _, Error>(&with_survivors, pool::ALL_CORES, proceed, |subject, stop| {
-        let candidates = subject.values.never_nan(&subject.graph);
-        Ok(Some((subject.name.as_str(), solver.lemmas(&subject.graph, candidates, stop)?)))
-    })?;
-    let lemmas: BTreeMap<&str, BTreeSet<Id>> = lemmas.into_iter().flatten().collect();
-    let mut is_whole = true;
-    for scope in Scope::ALL {
-        let question = |id: usize| {
-            let (subject, fault) = by_id[&id];
-            let faulty = subject.faults[fault].apply(&subject.graph);
-            let known = Known { graph: &subject.graph, lemmas: lemmas.get(subject.name.as_str())? };
-            Some((id, question::question(known, &faulty, scope)?))
-        };
-        let questions: Vec<(usize, String)> = survivors(fates).into_iter().filter_map(question).collect();
-        let chunks: Vec<&[(usize, String)]> = questions.chunks(QUESTIONS).collect();
-        let proved = pool::map::<_, _, Error>(&chunks, pool::ALL_CORES, proceed, |chunk, stop| {
-            solver.prove(chunk.iter().map(|(_, text)| text.clone()).collect(), stop)
-        })?;
-        is_whole &= proved.iter().all(Option::is_some);
-        for (chunk, proved) in chunks.iter().zip(proved) {
-            let proved = chunk.iter().zip(proved.into_iter().flatten()).filter(|(_, proved)| *proved);
-            fates.extend(proved.map(|((id, _), _)| (*id, Fate::Equivalent)));
+    subject: &Subject<'_>,
+    chosen: &[usize],
+    judged: &mut [Judged],
+    z3: &SmtSolver,
+    stop: &AtomicBool,
+) -> Result<(), ToolError> {
+    let flow = &subject.planned.flow;
+    let mut known = None;
+    for (is_near, how) in [(true, "near the fault"), (false, "by the laws of units")] {
+        let is_survivor = |place: &usize| matches!(judged[*place].fate, Fate::Survived(_));
+        let survivors: Vec<usize> = (0..judged.len()).filter(is_survivor).collect();
+        for places in survivors.chunks(QUESTIONS) {
+            let known = match &mut known {
+                Some(known) => known,
+                none => none.insert(Known::new(z3, flow, subject.values.never_nan(flow), stop)?),
+            };
+            let faulty = |place: &usize| subject.planned.faults[chosen[*place]].apply(flow);
+            let questions: Vec<String> = places.iter().map(|place| known.question(&faulty(place), is_near)).collect();
+            let answers = question::answers(z3, &questions, stop)?;
+            for (&place, _) in places.iter().zip(answers).filter(|(_, is_proved)| *is_proved) {
+                judged[place].fate = Fate::Equivalent(how.to_string());
+            }
         }
     }
-    Ok(is_whole)
+    Ok(())
 }
 
-impl Subject {
+impl Subject<'_> {
     /// Runs a fault's jobs, until an outcome is wrong.
-    fn fate(&self, fault: usize) -> Fate {
-        let faulty = self.faults[fault].apply(&self.graph);
-        if self.values.differ(&self.graph, &faulty, &self.jobs) { Fate::Killed } else { Fate::Survived }
+    fn judged(&self, fault: usize) -> Judged {
+        let Planned { flow, faults, .. } = self.planned;
+        let fate = match self.values.differ(flow, &faults[fault].apply(flow), &self.jobs) {
+            true => Fate::Killed("the exact oracle".to_string()),
+            false => Fate::Survived("not proven".to_string()),
+        };
+        Judged { subject: self.name.clone(), fault: faults[fault].text.clone(), fate }
     }
 }

@@ -13,7 +13,6 @@ mod item;
 mod request;
 pub mod safety;
 pub mod sat;
-pub mod score;
 
 pub use error::Error;
 pub use item::Item;

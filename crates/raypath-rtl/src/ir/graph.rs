@@ -15,6 +15,7 @@ pub const MAX_OPERATIONS: u64 = 64;
 pub struct NodeId(pub u32);
 
 impl NodeId {
+    /// The index.
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -37,12 +38,17 @@ pub enum Op {
     Word(u32),
     /// The next part of a unit with a latency of several steps.
     Continue(NodeId),
+    /// A sum of two numbers.
     Add(NodeId, NodeId),
     /// A sum of three or more terms. Its stage is the one in which it is available ([`sum_steps`]).
     Sum(Vec<NodeId>),
+    /// The first number minus the second.
     Subtract(NodeId, NodeId),
+    /// A product.
     Multiply(NodeId, NodeId),
+    /// The order of two numbers.
     Compare(NodeId, NodeId),
+    /// A number with the other sign.
     Negate(NodeId),
     /// A number with a shorter significand.
     Narrow(NodeId, Narrowing),
@@ -51,16 +57,23 @@ pub enum Op {
     /// A test of a number's sign or class. It is computed wherever that saves registers
     /// ([`OperationGraph::is_movable`]).
     Test(Test, NodeId),
+    /// Whether an order is this one.
     Relation(NodeId, Relation),
     /// The floating-point exceptions of a sum or a product.
     Flags(NodeId),
+    /// Both truth values.
     And(NodeId, NodeId),
+    /// Either truth value.
     Or(NodeId, NodeId),
+    /// The other truth value.
     Not(NodeId),
+    /// Whether two words are equal.
     WordEqual(NodeId, NodeId),
+    /// Whether the first word is less, as an unsigned number.
     WordLess(NodeId, NodeId),
     /// Bitwise.
     WordOr(NodeId, NodeId),
+    /// The second value if the first one, a truth value, is true, otherwise the third.
     Select(NodeId, NodeId, NodeId),
 }
 
@@ -93,9 +106,11 @@ pub enum Kind {
 }
 
 /// A value of an operation.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Node<P> {
+    /// What computes it.
     pub op: Op,
+    /// Its type.
     pub kind: Kind,
     /// The stage or step that computes it. Constants and state are available at every position.
     pub position: P,
@@ -106,21 +121,25 @@ pub struct Node<P> {
 /// An input or output port without its direction suffix, or one bit of it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PortBit {
+    /// The port's name.
     pub port: String,
     /// The bit and the width of the port, if the value is one bit of several.
     pub bit: Option<(u32, u32)>,
 }
 
 /// One output of an operation.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OutputValue {
+    /// The port.
     pub port: PortBit,
+    /// The value at the port.
     pub node: NodeId,
 }
 
 /// A state register of an operation: it keeps its value from job to job.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StateValue<P> {
+    /// Its name.
     pub name: String,
     /// The value for the next job.
     pub next: NodeId,
@@ -131,13 +150,19 @@ pub struct StateValue<P> {
 }
 
 /// The graph of an operation: its positions are stages before the stages are divided into steps, and steps afterwards.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OperationGraph<P = Stage> {
+    /// The operation's name.
     pub name: &'static str,
+    /// The operation's opcode.
     pub opcode: u64,
+    /// The values.
     pub nodes: Vec<Node<P>>,
+    /// The inputs that the operation has.
     pub inputs: Vec<NodeId>,
+    /// The outputs that the operation has.
     pub outputs: Vec<OutputValue>,
+    /// The state registers; [`Op::State`] refers to their positions here.
     pub states: Vec<StateValue<P>>,
     /// The descriptions of its stages.
     pub notes: Vec<(u32, Cow<'static, str>)>,
@@ -293,6 +318,7 @@ impl<P: Position> OperationGraph<P> {
         (0..self.nodes.len() as u32).map(NodeId)
     }
 
+    /// A value.
     pub fn node(&self, id: NodeId) -> &Node<P> {
         &self.nodes[id.index()]
     }

@@ -10,8 +10,6 @@ use raypath_model::Shape;
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::shape;
 use raypath_verify::Error;
-use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -34,16 +32,6 @@ pub struct Elaborated {
 pub struct Mutant<'s> {
     pub subject: &'s Subject,
     pub fault: &'s Fault,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub enum MutantResult {
-    /// This check failed.
-    Killed(Cow<'static, str>),
-    /// No check failed, and this proof shows that the fault changes nothing.
-    Equivalent(Cow<'static, str>),
-    /// No check failed, and the proof had this result.
-    Survived(String),
 }
 
 /// All modules of these configurations that can have faults, equal ones once.

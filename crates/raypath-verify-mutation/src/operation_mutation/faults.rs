@@ -1,46 +1,49 @@
 //! The faults of an operation's dataflow.
 
-use super::graph::{Graph, Id, Kind, Leaf, Node, Op};
+use super::evaluate::Dataflow;
 use raypath_ops::{Direction, Narrowing, Relation, Test};
+use raypath_rtl::dataflow::{Kind, NodeId, Op};
 
 /// A change of the dataflow.
 #[derive(Debug, Clone)]
 pub struct Fault {
     /// The place and the change in words.
     pub text: String,
-    /// Nodes that become others, in ascending order.
-    pub nodes: Vec<Changed>,
-    /// Two outputs, by position, that are exchanged.
-    pub outputs: Option<[usize; 2]>,
-    /// Two values of the state, by position, whose next values are exchanged.
-    pub states: Option<[usize; 2]>,
+    change: Change,
 }
 
-/// A node that becomes another one.
 #[derive(Debug, Clone)]
-pub struct Changed {
-    pub id: Id,
-    pub op: Op,
-    pub operands: Vec<Id>,
-    /// The result is inverted: a truth value.
-    pub inverted: bool,
+enum Change {
+    /// A node computes something else, or its complement.
+    Node { id: NodeId, op: Op, is_inverted: bool },
+    /// Two inputs are exchanged.
+    Inputs([NodeId; 2]),
+    /// Two outputs, by position, are exchanged.
+    Outputs([usize; 2]),
+    /// The next values of two states, by position, are exchanged.
+    States([usize; 2]),
 }
 
 impl Fault {
-    /// The graph with the fault. Nodes keep their positions.
-    pub fn apply(&self, graph: &Graph) -> Graph {
-        let mut faulty = graph.clone();
-        for Changed { id, op, operands, inverted } in self.nodes.iter().cloned() {
-            let name = faulty.nodes[id].name.clone();
-            faulty.nodes[id] = Node { op, operands, inverted, name };
-        }
-        if let Some([a, b]) = self.outputs {
-            let nodes = [faulty.outputs[a].node, faulty.outputs[b].node];
-            [faulty.outputs[b].node, faulty.outputs[a].node] = nodes;
-        }
-        if let Some([a, b]) = self.states {
-            let nodes = [faulty.states[a].1, faulty.states[b].1];
-            [faulty.states[b].1, faulty.states[a].1] = nodes;
+    /// The dataflow with the fault. Nodes keep their positions.
+    pub fn apply(&self, flow: &Dataflow) -> Dataflow {
+        let mut faulty = flow.clone();
+        let graph = &mut faulty.graph;
+        match self.change.clone() {
+            Change::Node { id, op, is_inverted } => {
+                graph.nodes[id.index()].op = op;
+                faulty.inverted = is_inverted.then_some(id);
+            }
+            Change::Inputs([a, b]) => {
+                let [first, second] = [a, b].map(|id| flow.graph.node(id).op.clone());
+                (graph.nodes[a.index()].op, graph.nodes[b.index()].op) = (second, first);
+            }
+            Change::Outputs([a, b]) => {
+                (graph.outputs[a].node, graph.outputs[b].node) = (graph.outputs[b].node, graph.outputs[a].node);
+            }
+            Change::States([a, b]) => {
+                (graph.states[a].next, graph.states[b].next) = (graph.states[b].next, graph.states[a].next);
+            }
         }
         faulty
     }
@@ -59,10 +62,10 @@ const TESTS: [Test; 7] =
 /// become each other, or lose an operand; negations are left out; constants change; a rounding has another direction,
 /// margin or number of bits, or is left out; and an operand is replaced by the value of its type that was computed
 /// before it.
-pub fn faults(graph: &Graph) -> Vec<Fault> {
-    let live = graph.live();
-    let mut list = List { graph, live: &live, faults: Vec::new() };
-    for id in (0..graph.nodes.len()).filter(|&id| live[id]) {
+pub fn faults(flow: &Dataflow) -> Vec<Fault> {
+    let live = flow.graph.live();
+    let mut list = List { flow, live: &live, faults: Vec::new() };
+    for id in flow.graph.ids().filter(|id| live[id.index()]) {
         list.operator(id);
         list.other_operands(id);
     }
@@ -72,175 +75,179 @@ pub fn faults(graph: &Graph) -> Vec<Fault> {
 }
 
 struct List<'g> {
-    graph: &'g Graph,
+    flow: &'g Dataflow,
     live: &'g [bool],
     faults: Vec<Fault>,
 }
 
 impl List<'_> {
-    fn becomes(&mut self, id: Id, op: Op, operands: &[Id], how: &str) {
-        self.add(id, Changed { id, op, operands: operands.to_vec(), inverted: false }, how);
-    }
-
-    fn complement(&mut self, id: Id, op: Op, operands: &[Id], how: &str) {
-        self.add(id, Changed { id, op, operands: operands.to_vec(), inverted: true }, how);
-    }
-
-    fn add(&mut self, id: Id, changed: Changed, how: &str) {
-        let node = &self.graph.nodes[id];
-        if changed.inverted || (changed.op, &changed.operands) != (node.op, &node.operands) {
-            let text = format!("{}: {how}", self.graph.describe(id));
-            self.faults.push(Fault { text, nodes: vec![changed], outputs: None, states: None });
+    fn add(&mut self, id: NodeId, how: &str, op: Op, is_inverted: bool) {
+        let was = &self.flow.graph.node(id).op;
+        if is_inverted || op != *was {
+            let text = format!("{} ({was:?}), node {}: {how}", self.flow.graph.name_of(id), id.0);
+            self.faults.push(Fault { text, change: Change::Node { id, op, is_inverted } });
         }
     }
 
-    fn operator(&mut self, id: Id) {
-        let Node { op, operands, .. } = self.graph.nodes[id].clone();
-        let all = operands.as_slice();
-        match (op, all) {
-            (Op::Add | Op::Subtract | Op::Multiply | Op::And | Op::Or, &[a, b]) => {
+    /// A node becomes another one.
+    fn becomes(&mut self, id: NodeId, how: &str, op: Op) {
+        self.add(id, how, op, false);
+    }
+
+    /// A node passes on an operand.
+    fn passes(&mut self, id: NodeId, how: &str, operand: NodeId) {
+        self.add(id, how, Op::Continue(operand), false);
+    }
+
+    fn operator(&mut self, id: NodeId) {
+        let op = self.flow.graph.node(id).op.clone();
+        match op {
+            Op::Add(a, b) | Op::Subtract(a, b) | Op::Multiply(a, b) | Op::And(a, b) | Op::Or(a, b) => {
                 match op {
-                    Op::Add => self.becomes(id, Op::Subtract, all, "a difference"),
-                    Op::Subtract => {
-                        self.becomes(id, Op::Add, all, "a sum");
-                        self.becomes(id, op, &[b, a], "operands exchanged");
+                    Op::Add(..) => self.becomes(id, "a difference", Op::Subtract(a, b)),
+                    Op::Subtract(..) => {
+                        self.becomes(id, "a sum", Op::Add(a, b));
+                        self.becomes(id, "operands exchanged", Op::Subtract(b, a));
                     }
-                    Op::Multiply => self.becomes(id, Op::Add, all, "a sum"),
-                    Op::And => self.becomes(id, Op::Or, all, "a disjunction"),
-                    _ => self.becomes(id, Op::And, all, "a conjunction"),
+                    Op::Multiply(..) => self.becomes(id, "a sum", Op::Add(a, b)),
+                    Op::And(..) => self.becomes(id, "a disjunction", Op::Or(a, b)),
+                    _ => self.becomes(id, "a conjunction", Op::And(a, b)),
                 }
-                self.becomes(id, Op::Same(op.kind()), &[a], "the second operand left out");
-                self.becomes(id, Op::Same(op.kind()), &[b], "the first operand left out");
+                self.passes(id, "the second operand left out", a);
+                self.passes(id, "the first operand left out", b);
             }
-            (Op::Sum, terms) => {
+            Op::Sum(terms) => {
                 for place in 0..terms.len() {
                     let rest = [&terms[..place], &terms[place + 1..]].concat();
-                    let rest_op = if rest.len() == 2 { Op::Add } else { op };
-                    self.becomes(id, rest_op, &rest, &format!("term {place} left out"));
+                    let rest = if let [a, b] = *rest { Op::Add(a, b) } else { Op::Sum(rest) };
+                    self.becomes(id, &format!("term {place} left out"), rest);
                 }
             }
-            (Op::Negate, &[a]) => self.becomes(id, Op::Same(Kind::Number), &[a], "left out"),
-            (Op::Not, &[a]) => self.becomes(id, Op::Same(Kind::Bit), &[a], "left out"),
-            (Op::Narrow(to), &[a]) => self.narrowing(id, a, to),
-            (Op::Compare, &[a, b]) => self.becomes(id, op, &[b, a], "operands exchanged"),
-            (Op::Relation(own), _) => {
+            Op::Negate(a) | Op::Not(a) => self.passes(id, "left out", a),
+            Op::Narrow(a, to) => self.narrowing(id, a, to),
+            Op::Compare(a, b) => self.becomes(id, "operands exchanged", Op::Compare(b, a)),
+            Op::Relation(order, _) => {
                 for relation in RELATIONS {
-                    let op = Op::Relation(relation);
-                    self.becomes(id, op, all, &format!("{relation:?} instead of {own:?}"));
-                    self.complement(id, op, all, &format!("not {relation:?} instead of {own:?}"));
+                    self.add(id, &format!("{relation:?}"), Op::Relation(order, relation), false);
+                    self.add(id, &format!("not {relation:?}"), Op::Relation(order, relation), true);
                 }
             }
-            (Op::Test(own), _) => {
+            Op::Test(_, a) => {
                 for test in TESTS {
-                    self.becomes(id, Op::Test(test), all, &format!("{test:?} instead of {own:?}"));
+                    self.becomes(id, &format!("{test:?}"), Op::Test(test, a));
                 }
-                self.complement(id, op, all, "inverted");
+                self.add(id, "inverted", op, true);
             }
-            (Op::Select(kind), &[condition, if_true, if_false]) if if_true != if_false => {
-                self.becomes(id, op, &[condition, if_false, if_true], "condition inverted");
-                self.becomes(id, Op::Same(kind), &[if_true], "stuck at the first");
-                self.becomes(id, Op::Same(kind), &[if_false], "stuck at the second");
+            Op::Select(condition, a, b) if a != b => {
+                self.becomes(id, "condition inverted", Op::Select(condition, b, a));
+                self.passes(id, "stuck at the first", a);
+                self.passes(id, "stuck at the second", b);
             }
-            (Op::NumberOf(_), _) => self.becomes(id, Op::Constant(0.0), &[], "zero"),
-            (Op::WordEqual, _) => self.complement(id, op, all, "inverted"),
-            (Op::WordLess, &[a, b]) => {
-                self.becomes(id, op, &[b, a], "operands exchanged");
-                self.becomes(id, Op::WordEqual, all, "equal instead of less");
-                self.complement(id, op, all, "inverted");
+            Op::NumberOf(_) => self.becomes(id, "zero", Op::Number(0)),
+            Op::WordEqual(..) => self.add(id, "inverted", op, true),
+            Op::WordLess(a, b) => {
+                self.becomes(id, "operands exchanged", Op::WordLess(b, a));
+                self.becomes(id, "equal instead of less", Op::WordEqual(a, b));
+                self.add(id, "inverted", op, true);
             }
-            _ => self.constant(id, op),
+            _ => self.constant(id, &op),
         }
     }
 
-    fn narrowing(&mut self, id: Id, a: Id, to: Narrowing) {
+    fn narrowing(&mut self, id: NodeId, a: NodeId, to: Narrowing) {
         let direction = match to.direction {
             Direction::TowardZero => Direction::AwayFromZero,
             Direction::AwayFromZero => Direction::TowardZero,
         };
-        self.becomes(id, Op::Same(Kind::Number), &[a], "left out");
-        self.becomes(id, Op::Narrow(Narrowing { direction, ..to }), &[a], "in the other direction");
-        self.becomes(id, Op::Narrow(Narrowing { bits: to.bits - 1, ..to }), &[a], "one bit fewer");
+        self.passes(id, "left out", a);
+        self.becomes(id, "in the other direction", Op::Narrow(a, Narrowing { direction, ..to }));
+        self.becomes(id, "one bit fewer", Op::Narrow(a, Narrowing { bits: to.bits - 1, ..to }));
         if to.bits < 24 {
-            self.becomes(id, Op::Narrow(Narrowing { bits: to.bits + 1, ..to }), &[a], "one bit more");
+            self.becomes(id, "one bit more", Op::Narrow(a, Narrowing { bits: to.bits + 1, ..to }));
         }
         let margin = if to.margin == 0 { 1 } else { to.margin - 1 };
-        self.becomes(id, Op::Narrow(to.margin(margin)), &[a], &format!("margin {margin} instead of {}", to.margin));
+        self.becomes(id, &format!("margin {margin}"), Op::Narrow(a, to.margin(margin)));
     }
 
-    fn constant(&mut self, id: Id, op: Op) {
-        let others: Vec<Op> = match op {
-            Op::Constant(0.0) => [-0.0, 1.0, f32::INFINITY].map(Op::Constant).to_vec(),
-            Op::Constant(value) => [-value, 0.0, f32::MAX].map(Op::Constant).to_vec(),
+    fn constant(&mut self, id: NodeId, op: &Op) {
+        let number = |value: f32| Op::Number(value.to_bits());
+        let others: Vec<Op> = match *op {
+            Op::Number(0) => [-0.0, 1.0, f32::INFINITY].map(number).to_vec(),
+            Op::Number(bits) => vec![Op::Number(bits ^ 1 << 31), number(0.0), number(f32::MAX)],
             Op::OnePlusUlps(ulps) => [ulps - 1, ulps + 1, 0].map(Op::OnePlusUlps).to_vec(),
             Op::Bit(value) => vec![Op::Bit(!value)],
-            Op::Word(width, value) => {
-                let values = [value ^ 1, value ^ 1 << (width - 1)];
-                values[..width.min(2) as usize].iter().map(|&value| Op::Word(width, value)).collect()
-            }
+            Op::Word(value) => match self.flow.graph.node(id).kind {
+                Kind::Word(width) if width > 1 => [value ^ 1, value ^ 1 << (width - 1)].map(Op::Word).to_vec(),
+                _ => vec![Op::Word(value ^ 1)],
+            },
             _ => vec![],
         };
         for other in others {
-            // Not by `becomes`, because −0 equals +0 as a number.
-            let changed = Changed { id, op: other, operands: vec![], inverted: false };
-            let text = format!("{}: {other:?} instead of {op:?}", self.graph.describe(id));
-            self.faults.push(Fault { text, nodes: vec![changed], outputs: None, states: None });
+            self.becomes(id, &format!("{other:?}"), other.clone());
         }
     }
 
     /// Each operand replaced by the nearest earlier value of its type that is no constant.
-    fn other_operands(&mut self, id: Id) {
-        let Node { op, operands, .. } = self.graph.nodes[id].clone();
-        for (place, &operand) in operands.iter().enumerate() {
-            let nodes = &self.graph.nodes;
-            let is_other = |&other: &Id| {
-                let other_op = nodes[other].op;
-                self.live[other]
-                    && other_op.kind() == nodes[operand].op.kind()
-                    && !other_op.is_constant()
-                    && !operands.contains(&other)
+    fn other_operands(&mut self, id: NodeId) {
+        let graph = &self.flow.graph;
+        let operands = graph.operands(id);
+        for (place, &operand) in operands.iter().enumerate().filter(|(_, operand)| !self.flow.is_constant(**operand)) {
+            let is_other = |other: &NodeId| {
+                let is_alike = graph.node(*other).kind == graph.node(operand).kind;
+                is_alike && self.live[other.index()] && !self.flow.is_constant(*other) && !operands.contains(other)
             };
-            if nodes[operand].op.is_constant() {
-                continue;
-            }
-            if let Some(other) = (0..operand).rev().find(is_other).or_else(|| (operand + 1..id).find(is_other)) {
-                let mut changed = operands.clone();
-                changed[place] = other;
-                let [was, becomes] = [operand, other].map(|id| self.graph.describe(id));
-                self.becomes(id, op, &changed, &format!("reads {becomes} instead of {was}"));
+            let before = (0..operand.0).rev().map(NodeId).find(is_other);
+            if let Some(other) = before.or_else(|| (operand.0 + 1..id.0).map(NodeId).find(is_other)) {
+                let mut op = graph.node(id).op.clone();
+                if let Some(changed) = operands_of(&mut op).into_iter().nth(place) {
+                    *changed = other;
+                }
+                let how = format!("reads {} instead of {}", graph.name_of(other), graph.name_of(operand));
+                self.becomes(id, &how, op);
             }
         }
     }
 
     /// Each input exchanged with the next one of its type.
     fn inputs(&mut self) {
-        let is_read = |id: &Id| self.live[*id] && matches!(self.graph.nodes[*id].op, Op::Input(..));
-        let read: Vec<Id> = (0..self.graph.nodes.len()).filter(is_read).collect();
+        let graph = &self.flow.graph;
+        let is_read = |id: &NodeId| self.live[id.index()] && matches!(graph.node(*id).op, Op::Input(_));
+        let read: Vec<NodeId> = graph.ids().filter(is_read).collect();
         for (place, &a) in read.iter().enumerate() {
-            let op = self.graph.nodes[a].op;
-            let is_alike = |b: &&Id| self.graph.nodes[**b].op.kind() == op.kind();
+            let is_alike = |b: &&NodeId| graph.node(**b).kind == graph.node(a).kind;
             let Some(&b) = read[place + 1..].iter().find(is_alike) else { continue };
-            let changed = |id: Id, op: Op| Changed { id, op, operands: vec![], inverted: false };
-            let nodes = vec![changed(a, self.graph.nodes[b].op), changed(b, op)];
-            let text = format!("input {} exchanged with {}", self.graph.describe(a), self.graph.describe(b));
-            self.faults.push(Fault { text, nodes, outputs: None, states: None });
+            let text = format!("input {} exchanged with {}", graph.name_of(a), graph.name_of(b));
+            self.faults.push(Fault { text, change: Change::Inputs([a, b]) });
         }
     }
 
     /// Each output, and each next value of the state, exchanged with the next one of its type.
     fn outputs_and_states(&mut self) {
-        let kind = |id: Id| self.graph.nodes[id].op.kind();
-        let outputs = &self.graph.outputs;
-        for (a, leaf) in outputs.iter().enumerate() {
-            let is_alike = |other: &Leaf| kind(other.node) == kind(leaf.node) && other.node != leaf.node;
-            let Some(more) = outputs[a + 1..].iter().position(is_alike) else { continue };
-            let b = a + 1 + more;
-            let name = |leaf: &Leaf| format!("{} bit {}", self.graph.ports_out[leaf.port].name, leaf.bit);
-            let text = format!("output {} exchanged with {}", name(leaf), name(&outputs[b]));
-            self.faults.push(Fault { text, nodes: vec![], outputs: Some([a, b]), states: None });
+        let graph = &self.flow.graph;
+        let kind = |id: NodeId| graph.node(id).kind;
+        for (a, output) in graph.outputs.iter().enumerate() {
+            let rest = graph.outputs.iter().enumerate().skip(a + 1);
+            let is_alike = |other: NodeId| kind(other) == kind(output.node) && other != output.node;
+            let Some((b, other)) = rest.into_iter().find(|(_, other)| is_alike(other.node)) else { continue };
+            let text = format!("output {:?} exchanged with {:?}", output.port, other.port);
+            self.faults.push(Fault { text, change: Change::Outputs([a, b]) });
         }
-        for a in 1..self.graph.states.len() {
-            let text = format!("next value of state {} exchanged with that of {}", a - 1, a);
-            self.faults.push(Fault { text, nodes: vec![], outputs: None, states: Some([a - 1, a]) });
+        for a in 1..graph.states.len() {
+            let text = format!("next value of state {} exchanged with that of {a}", a - 1);
+            self.faults.push(Fault { text, change: Change::States([a - 1, a]) });
         }
+    }
+}
+
+/// The operands of an operator, to change them.
+fn operands_of(op: &mut Op) -> Vec<&mut NodeId> {
+    match op {
+        Op::Input(_) | Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_) => vec![],
+        Op::Sum(terms) => terms.iter_mut().collect(),
+        Op::Continue(a) | Op::Negate(a) | Op::Narrow(a, _) | Op::NumberOf(a) => vec![a],
+        Op::Test(_, a) | Op::Relation(a, _) | Op::Flags(a) | Op::Not(a) => vec![a],
+        Op::Add(a, b) | Op::Subtract(a, b) | Op::Multiply(a, b) | Op::Compare(a, b) => vec![a, b],
+        Op::And(a, b) | Op::Or(a, b) | Op::WordEqual(a, b) | Op::WordLess(a, b) | Op::WordOr(a, b) => vec![a, b],
+        Op::Select(condition, a, b) => vec![condition, a, b],
     }
 }

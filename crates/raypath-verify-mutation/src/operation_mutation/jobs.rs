@@ -13,7 +13,7 @@ use raypath_verify_datapath::stimuli::{Stimuli, splitmix64};
 /// Jobs of a step. Each is the next of a stream of its own.
 pub const STREAMS: usize = 64;
 
-/// Jobs of an operation, as words at all ports in: those of the campaigns, and those of the regression tests, whose
+/// Jobs of an operation: those of the campaigns, and those of the regression tests, whose
 /// ports are drawn one by one. Many have numbers that show particular faults, or are next to a decision.
 pub fn jobs(model: &WordModel, kind: OperationId, steps: usize, seed: u64) -> Jobs {
     let layout = Layout::of(model);
@@ -25,8 +25,8 @@ pub fn jobs(model: &WordModel, kind: OperationId, steps: usize, seed: u64) -> Jo
         decider: model.clone(),
         waiting: Vec::new(),
     };
-    let mut job = || model.all_inputs(&model.job_of_words(kind, &source.next(model)));
-    Jobs { steps: (0..steps).map(|_| (0..STREAMS).map(|_| job()).collect()).collect() }
+    let mut step = || (0..STREAMS).map(|_| model.job_of_words(kind, &source.next(model)).as_words().to_vec()).collect();
+    Jobs { ports: model.inputs(kind).to_vec(), steps: (0..steps).map(|_| step()).collect() }
 }
 
 struct Source<'m> {

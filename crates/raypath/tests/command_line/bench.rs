@@ -19,7 +19,6 @@ fn rates_are_printed_and_written() {
         "euclidean",
         "cycle-exact model, the sink stalls",
         "netlist, compiled",
-        "netlist in lanes",
         "netlist, compiling",
         "unpacking",
         "rays from origin",

@@ -1,9 +1,9 @@
-//! The netlist: our simulators, and Verilator on the printed text.
+//! The netlist: our simulator, and Verilator on the printed text.
 
 use crate::commands::full::bench::result::{Results, seconds};
 use crate::commands::full::bench::workload::Workload;
 use crate::error::CliError;
-use raypath_hdl::{InputPort, LANES, LaneSimulator, Module, OutputPort, Simulator};
+use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_ops::Job;
 use raypath_rtl::{Config, Datapath};
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
@@ -27,9 +27,6 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     let ports = Ports::of(&simulator)?;
     let per_second = compiled(&mut simulator, &ports, &jobs, RUNS * repetitions);
     results.rate("netlist, compiled, a mixed job each cycle", "cycles", per_second, None);
-    let per_second = lanes(&mut LaneSimulator::new(top)?, &ports, repetitions);
-    let name = format!("netlist in lanes, a mixed job each cycle in each of {LANES}");
-    results.rate(name, "cycles", per_second, None);
     if with_verilator {
         match verilator(top, &jobs, RUNS * repetitions) {
             Ok(per_second) => results.beside("cycles", "Verilator", per_second),
@@ -39,7 +36,7 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     Ok(())
 }
 
-/// All ports of the module, in order of declaration, for both simulators.
+/// All ports of the module, in order of declaration.
 struct Ports {
     inputs: Vec<InputPort>,
     outputs: Vec<OutputPort>,
@@ -62,38 +59,6 @@ fn compiled(simulator: &mut Simulator, ports: &Ports, jobs: &[Job], repetitions:
         for values in &stimuli {
             for (input, value) in ports.inputs.iter().zip(values) {
                 simulator.set(*input, black_box(*value));
-            }
-            simulator.cycle();
-            for output in &ports.outputs {
-                black_box(simulator.get(*output));
-            }
-        }
-    });
-    jobs.len() as f64 / time
-}
-
-/// The cycles per second of all lanes together, each with its own jobs.
-fn lanes(simulator: &mut LaneSimulator, ports: &Ports, repetitions: usize) -> f64 {
-    // Few cycles, because there are many lanes.
-    const CYCLES: usize = 8;
-    let top = simulator.module();
-    let jobs = Workload::new().mixed(CYCLES * LANES);
-    let stimuli: Vec<Vec<[u64; LANES]>> = jobs
-        .chunks(LANES)
-        .map(|jobs| {
-            let mut values = vec![[0; LANES]; ports.inputs.len()];
-            for (lane, job) in jobs.iter().enumerate() {
-                for (of_port, value) in values.iter_mut().zip(stimulus(top, job)) {
-                    of_port[lane] = value;
-                }
-            }
-            values
-        })
-        .collect();
-    let time = seconds(repetitions, || {
-        for values in &stimuli {
-            for (input, values) in ports.inputs.iter().zip(values) {
-                simulator.set(*input, black_box(values));
             }
             simulator.cycle();
             for output in &ports.outputs {
