@@ -4,6 +4,7 @@
 //! makes outputs of those that it gives. What is proved for any values holds for those that the drivers give: a proved
 //! lemma is true of the whole module, whatever was cut.
 
+use super::claim::depends;
 use raypath_tools::ToolError;
 use raypath_verify::Error;
 use raypath_verify::sat::{Miter, SOURCE};
@@ -164,8 +165,7 @@ impl Lemma {
         }
         commands.extend(["rest.sv", "miter.sv"].map(|file| format!("read_verilog -sv {SOURCE}{file}")));
         commands.extend(["hierarchy -check -top miter", "proc"].map(String::from));
-        let depends = |name| format!("select -assert-min 1 miter/w:differ %ci* miter/w:{name} %i");
-        commands.extend(self.gives.iter().chain(&self.takes).map(|signal| depends(&signal.name)));
+        commands.extend(self.gives.iter().chain(&self.takes).map(|signal| depends("differ", &signal.name)));
         // Without what the lemma does not need, the conversion to gates is faster.
         commands.extend(["flatten", "opt_clean"].map(String::from));
         let sources = [("unit.sv", unit), ("rest.sv", self.rest.clone()), ("miter.sv", self.text())];
@@ -210,30 +210,5 @@ pub fn is_chain(lemmas: &[Lemma], text: &Text) -> Result<(), String> {
     match text.outputs().find(|output| !given.contains(output)) {
         Some(output) => Err(format!("no lemma gives {output}")),
         None => Ok(()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TEXT: &str = "module unit (\n  input  logic [3:0] a_i,\n  output logic       b_o\n);\n  logic [4:0] sum;\n\
-                        \n  assign sum      = {1'b0, a_i} +\n      5'd3;\n  assign b_o = |sum;\nendmodule";
-
-    #[test]
-    fn widths_are_those_of_the_declarations() {
-        let text = Text::new("unit", TEXT.to_string());
-        let found = ["a_i", "b_o", "sum"].map(|name| text.signal(name).expect("declared").width);
-        assert_eq!(found, [4, 1, 5]);
-        assert!(text.signal("unit").is_err());
-        assert_eq!((text.inputs().collect::<Vec<_>>(), text.outputs().collect::<Vec<_>>()), (vec!["a_i"], vec!["b_o"]));
-    }
-
-    #[test]
-    fn a_fault_changes_the_driver_of_its_signal() {
-        let text = Text::new("unit", TEXT.to_string());
-        let faults = [Fault::new("b_o", "&", "|"), Fault::new("sum", "5'd3", "5'd2")];
-        assert_eq!(text.with(&faults).expect("a place"), TEXT.replace("5'd3", "5'd2"));
-        assert!(text.with(&faults[..1]).is_err());
     }
 }
