@@ -4,6 +4,7 @@ use crate::mesh::{Bounds, Mesh};
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::{BvhBuildParams, triangle::Triangle as PeerTriangle};
 use raypath_ops::{Aabb, Binary32, Triangle};
+use std::collections::HashMap;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -46,6 +47,7 @@ pub struct Bvh4 {
     /// The mesh index of each of `triangles`.
     indices: Vec<u32>,
     stack: usize,
+    levels: u32,
     reach: f32,
 }
 
@@ -111,6 +113,10 @@ impl Bvh4 {
     /// The maximum number of triangles, 2²⁸.
     pub const MAX_TRIANGLES: usize = 1 << Reference::SLOT_BITS;
 
+    /// The maximum number of levels of nodes. The unit reads 64 levels: those of the object, one of an instance, and at
+    /// most 13 above the instances that fit into 4 GiB.
+    pub const MAX_LEVELS: u32 = 48;
+
     /// Builds the tree of a mesh for ray origins that are, along each axis, at most `reach` from every vertex.
     ///
     /// # Errors
@@ -120,9 +126,16 @@ impl Bvh4 {
         if triangles > Self::MAX_TRIANGLES {
             return Err(MeshTooLarge { triangles });
         }
-        let mut tree = Collapse::new(mesh, reach);
-        tree.run(&binary_tree(mesh));
-        Ok(tree.bvh)
+        Ok(Self::within(mesh, reach, Self::MAX_LEVELS))
+    }
+
+    /// The tree of a mesh with at most `levels` levels, which must be enough for a balanced tree.
+    fn within(mesh: &Mesh, reach: f32, levels: u32) -> Self {
+        let groups = Groups::of(mesh);
+        let tree = binary_tree(mesh, &groups.first);
+        let mut collapse = Collapse::new(mesh, &groups, &tree, reach, levels);
+        collapse.run();
+        collapse.bvh
     }
 
     /// The nodes; the root is the first.
@@ -148,27 +161,85 @@ impl Bvh4 {
         self.stack
     }
 
+    /// The number of levels of nodes, from 1 to [`MAX_LEVELS`](Self::MAX_LEVELS).
+    pub fn levels(&self) -> u32 {
+        self.levels
+    }
+
     /// The reach for which the tree was built.
     pub fn reach(&self) -> f32 {
         self.reach
     }
 }
 
-/// The binary tree before its collapse, built by obvhs with equal costs for a triangle test and a test of four boxes.
-pub(crate) fn binary_tree(mesh: &Mesh) -> Bvh2 {
+/// The binary tree of these triangles before its collapse, built by obvhs with equal costs for a triangle test and a test
+/// of four boxes.
+pub(crate) fn binary_tree(mesh: &Mesh, triangles: &[u32]) -> Bvh2 {
     let parameters =
         BvhBuildParams { max_prims_per_leaf: 4, collapse_traversal_cost: 1.0, ..BvhBuildParams::medium_build() };
-    build_bvh2_from_tris(&peer_triangles(mesh), parameters, &mut Duration::default())
+    build_bvh2_from_tris(&peer_triangles(mesh, triangles), parameters, &mut Duration::default())
 }
 
-pub(crate) fn peer_triangles(mesh: &Mesh) -> Vec<PeerTriangle> {
-    let corners = (0..mesh.triangles().len() as u32).map(|index| mesh.corners(index));
+pub(crate) fn peer_triangles(mesh: &Mesh, triangles: &[u32]) -> Vec<PeerTriangle> {
+    let corners = triangles.iter().map(|&index| mesh.corners(index));
     corners.map(|[a, b, c]| PeerTriangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect()
 }
 
+/// The triangles of a mesh. Those that have one box, if they are more than a leaf holds, are a group, because obvhs takes
+/// a time that grows with the square of their number. Every other triangle is a group of its own.
+struct Groups {
+    /// The first triangle of each group.
+    first: Vec<u32>,
+    /// The triangles of each group of several, by its first.
+    several: HashMap<u32, Vec<u32>>,
+}
+
+impl Groups {
+    fn of(mesh: &Mesh) -> Self {
+        let triangles = 0..mesh.triangles().len() as u32;
+        let place = |index: u32| {
+            let Bounds { min, max } = mesh.corners(index).into_iter().fold(Bounds::EMPTY, Bounds::with);
+            [min, max].map(|corner| corner.map(f32::to_bits))
+        };
+        let mut counts: HashMap<_, u32> = HashMap::new();
+        triangles.clone().for_each(|index| *counts.entry(place(index)).or_default() += 1);
+        counts.retain(|_, count| *count > Reference::MAX_IN_LEAF);
+        let (mut first, mut firsts, mut several) = (Vec::new(), HashMap::new(), HashMap::new());
+        for index in triangles {
+            let place = place(index);
+            if !counts.contains_key(&place) {
+                first.push(index);
+                continue;
+            }
+            let own = *firsts.entry(place).or_insert(index);
+            first.extend((own == index).then_some(index));
+            several.entry(own).or_insert_with(Vec::new).push(index);
+        }
+        Self { first, several }
+    }
+
+    /// The triangles of the group with this number.
+    fn triangles(&self, number: u32) -> &[u32] {
+        let first = &self.first[number as usize];
+        self.several.get(first).map_or(std::slice::from_ref(first), Vec::as_slice)
+    }
+}
+
 /// The conversion of a binary tree to one with four children per node.
+///
+/// Triangles that nest make binary trees as deep as a list, because every division of them looks alike. So the
+/// binary tree is followed only where the levels that are left suffice for a balanced tree of the triangles of each
+/// child. Elsewhere the triangles are divided by their position in the list.
 struct Collapse<'m> {
     mesh: &'m Mesh,
+    tree: &'m Bvh2,
+    /// The number of triangles below each node of the binary tree.
+    counts: Vec<u32>,
+    /// The triangles of the leaves of the binary tree, then those of its parts that are divided by position.
+    order: Vec<u32>,
+    /// The place of the triangles of each leaf of the binary tree in that list.
+    firsts: Vec<u32>,
+    max_levels: u32,
     pad: f64,
     bvh: Bvh4,
 }
@@ -178,50 +249,71 @@ struct Collapse<'m> {
 enum Subtree {
     /// An inner node of the binary tree.
     Inner(u32),
-    /// A range of its list of triangles.
+    /// A range of the list of triangles.
     Range { first: u32, count: u32 },
 }
 
 struct Task {
     node: usize,
     part: Subtree,
+    /// The number of nodes above.
+    level: u32,
     /// The stack entries that may be in use when a ray reaches the node.
     stacked: usize,
 }
 
 impl<'m> Collapse<'m> {
-    fn new(mesh: &'m Mesh, reach: f32) -> Self {
+    fn new(mesh: &'m Mesh, groups: &Groups, tree: &'m Bvh2, reach: f32, max_levels: u32) -> Self {
         let pad = 12.0 * f64::from(f32::EPSILON / 2.0) * f64::from(reach);
-        let (nodes, triangles, indices) = (Vec::new(), Vec::new(), Vec::new());
-        Self { mesh, pad, bvh: Bvh4 { nodes, triangles, indices, stack: 0, reach } }
+        let bvh = Bvh4 { nodes: Vec::new(), triangles: Vec::new(), indices: Vec::new(), stack: 0, levels: 0, reach };
+        let (mut counts, mut firsts, mut order) = (vec![0; tree.nodes.len()], vec![0; tree.nodes.len()], Vec::new());
+        for &node in nodes_below(tree, 0).iter().rev() {
+            let data = &tree.nodes[node as usize];
+            let (node, first) = (node as usize, data.first_index as usize);
+            if data.is_leaf() {
+                firsts[node] = order.len() as u32;
+                let groups_here = &tree.primitive_indices[first..first + data.prim_count as usize];
+                order.extend(groups_here.iter().flat_map(|&group| groups.triangles(group)));
+                counts[node] = order.len() as u32 - firsts[node];
+            } else {
+                counts[node] = counts[first] + counts[first + 1];
+            }
+        }
+        Self { mesh, tree, counts, order, firsts, max_levels, pad, bvh }
     }
 
-    fn run(&mut self, tree: &Bvh2) {
+    fn run(&mut self) {
         self.bvh.nodes.push(Node::empty());
-        let mut tasks = vec![Task { node: 0, part: part(tree, 0), stacked: 0 }];
-        while let Some(Task { node, part, stacked }) = tasks.pop() {
-            let parts = split(tree, part);
+        let mut tasks = vec![Task { node: 0, part: self.part(0), level: 0, stacked: 0 }];
+        while let Some(Task { node, part, level, stacked }) = tasks.pop() {
+            let mut parts = self.split(part);
+            let left = self.max_levels - level - 1;
+            if parts.iter().any(|part| self.least_levels(*part) > left) {
+                let listed = self.listed(part);
+                parts = self.split(listed);
+            }
             let stacked = stacked + parts.len() - 1;
             self.bvh.stack = self.bvh.stack.max(stacked + 1);
+            self.bvh.levels = self.bvh.levels.max(level + 1);
             for (child, part) in parts.into_iter().enumerate() {
                 let reference = match part {
-                    Subtree::Range { first, count } if count <= Reference::MAX_IN_LEAF => self.leaf(tree, first, count),
+                    Subtree::Range { first, count } if count <= Reference::MAX_IN_LEAF => self.leaf(first, count),
                     _ => {
                         let node = self.bvh.nodes.len();
                         self.bvh.nodes.push(Node::empty());
-                        tasks.push(Task { node, part, stacked });
+                        tasks.push(Task { node, part, level: level + 1, stacked });
                         Reference(node as u32)
                     }
                 };
                 self.bvh.nodes[node].children[child] = reference;
-                self.bvh.nodes[node].boxes[child] = padded(self.bounds(tree, part), self.pad);
+                self.bvh.nodes[node].boxes[child] = padded(self.bounds(part), self.pad);
             }
         }
     }
 
-    fn leaf(&mut self, tree: &Bvh2, first: u32, count: u32) -> Reference {
+    fn leaf(&mut self, first: u32, count: u32) -> Reference {
         let slot = self.bvh.triangles.len() as u32;
-        for &index in range(tree, first, count) {
+        for &index in &self.order[first as usize..(first + count) as usize] {
             let [a, b, c] = self.mesh.corners(index);
             self.bvh.triangles.push(Triangle::new(a, b, c));
             self.bvh.indices.push(index);
@@ -229,71 +321,108 @@ impl<'m> Collapse<'m> {
         Reference::leaf(slot, count)
     }
 
-    fn bounds(&self, tree: &Bvh2, part: Subtree) -> Bounds {
+    fn bounds(&self, part: Subtree) -> Bounds {
         match part {
             // obvhs selects coordinates and does not compute them, so its boxes are exact.
             Subtree::Inner(node) => {
-                let aabb = tree.nodes[node as usize].aabb();
+                let aabb = self.tree.nodes[node as usize].aabb();
                 Bounds { min: aabb.min.into(), max: aabb.max.into() }
             }
             Subtree::Range { first, count } => {
-                let corners = range(tree, first, count).iter().flat_map(|&index| self.mesh.corners(index));
-                corners.fold(Bounds::EMPTY, Bounds::with)
+                let range = &self.order[first as usize..(first + count) as usize];
+                range.iter().flat_map(|&index| self.mesh.corners(index)).fold(Bounds::EMPTY, Bounds::with)
             }
         }
     }
+
+    fn part(&self, node: u32) -> Subtree {
+        let data = &self.tree.nodes[node as usize];
+        if data.is_leaf() {
+            Subtree::Range { first: self.firsts[node as usize], count: self.counts[node as usize] }
+        } else {
+            Subtree::Inner(node)
+        }
+    }
+
+    /// The triangles of a part as a range.
+    fn listed(&mut self, part: Subtree) -> Subtree {
+        let Subtree::Inner(node) = part else { return part };
+        let first = self.order.len() as u32;
+        for node in nodes_below(self.tree, node) {
+            if let Subtree::Range { first, count } = self.part(node) {
+                self.order.extend_from_within(first as usize..(first + count) as usize);
+            }
+        }
+        Subtree::Range { first, count: self.counts[node as usize] }
+    }
+
+    /// The levels of nodes that a part needs at least: those of a balanced tree, and of an inner node one.
+    fn least_levels(&self, part: Subtree) -> u32 {
+        match part {
+            Subtree::Inner(node) => balanced_levels(self.counts[node as usize]).max(1),
+            Subtree::Range { count, .. } => balanced_levels(count),
+        }
+    }
+
+    /// Splits a part into up to four, by repeatedly splitting the greatest.
+    fn split(&self, part: Subtree) -> Vec<Subtree> {
+        let mut parts = vec![part];
+        while parts.len() < 4 {
+            let divisible = parts.iter().enumerate().filter_map(|(index, part)| Some((index, self.size(*part)?)));
+            let greatest = divisible.max_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            let Some((index, _)) = greatest else { break };
+            let halves = self.halves(parts.swap_remove(index));
+            parts.extend(halves);
+        }
+        parts
+    }
+
+    /// The size of a divisible part, for comparison: the triangles of a range, then the surface of a node, because rays
+    /// hit the greatest most often. `None` for a leaf.
+    fn size(&self, part: Subtree) -> Option<(u32, f32)> {
+        match part {
+            Subtree::Inner(node) => Some((0, self.tree.nodes[node as usize].aabb().half_area())),
+            Subtree::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some((count, 0.0)),
+        }
+    }
+
+    fn halves(&self, inner: Subtree) -> [Subtree; 2] {
+        match inner {
+            Subtree::Inner(node) => {
+                let first = self.tree.nodes[node as usize].first_index;
+                [self.part(first), self.part(first + 1)]
+            }
+            Subtree::Range { first, count } => {
+                let half = count / 2;
+                [Subtree::Range { first, count: half }, Subtree::Range { first: first + half, count: count - half }]
+            }
+        }
+    }
+}
+
+/// The nodes of a binary tree from one downwards, each after its parent.
+fn nodes_below(tree: &Bvh2, node: u32) -> Vec<u32> {
+    let mut nodes = vec![node];
+    let mut next = 0;
+    while let Some(&node) = nodes.get(next) {
+        let data = &tree.nodes[node as usize];
+        if !data.is_leaf() {
+            nodes.extend([data.first_index, data.first_index + 1]);
+        }
+        next += 1;
+    }
+    nodes
+}
+
+/// The levels of nodes above the leaves of a balanced tree of this many triangles.
+fn balanced_levels(triangles: u32) -> u32 {
+    if triangles <= Reference::MAX_IN_LEAF { 0 } else { 1 + balanced_levels(triangles.div_ceil(4)) }
 }
 
 impl Node {
     fn empty() -> Self {
         let never_hit = Aabb::new(Bounds::EMPTY.min, Bounds::EMPTY.max);
         Self { boxes: [never_hit; 4], children: [Reference::ROOT; 4] }
-    }
-}
-
-fn part(tree: &Bvh2, node: u32) -> Subtree {
-    let data = &tree.nodes[node as usize];
-    if data.is_leaf() {
-        Subtree::Range { first: data.first_index, count: data.prim_count }
-    } else {
-        Subtree::Inner(node)
-    }
-}
-
-fn range(tree: &Bvh2, first: u32, count: u32) -> &[u32] {
-    &tree.primitive_indices[first as usize..(first + count) as usize]
-}
-
-/// Splits a part into up to four, by repeatedly splitting the one with the greatest surface, which rays hit most often.
-fn split(tree: &Bvh2, part: Subtree) -> Vec<Subtree> {
-    let mut parts = vec![part];
-    while parts.len() < 4 {
-        let divisible = parts.iter().enumerate().filter_map(|(index, part)| Some((index, surface(tree, *part)?)));
-        let Some((index, _)) = divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) else { break };
-        let halves = halves(tree, parts.swap_remove(index));
-        parts.extend(halves);
-    }
-    parts
-}
-
-/// The surface of a divisible part, for comparison; `None` for a leaf.
-fn surface(tree: &Bvh2, part: Subtree) -> Option<f32> {
-    match part {
-        Subtree::Inner(node) => Some(tree.nodes[node as usize].aabb().half_area()),
-        Subtree::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some(f32::INFINITY),
-    }
-}
-
-fn halves(tree: &Bvh2, inner: Subtree) -> [Subtree; 2] {
-    match inner {
-        Subtree::Inner(node) => {
-            let first = tree.nodes[node as usize].first_index;
-            [part(tree, first), part(tree, first + 1)]
-        }
-        Subtree::Range { first, count } => {
-            let half = count / 2;
-            [Subtree::Range { first, count: half }, Subtree::Range { first: first + half, count: count - half }]
-        }
     }
 }
 
@@ -307,4 +436,29 @@ pub(crate) fn padded(bounds: Bounds, pad: f64) -> Aabb<Binary32> {
     let min = bounds.min.map(below);
     let max = bounds.max.map(|bound| -below(-bound));
     Aabb::new(min, max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blocks::{Blocks, BlocksError};
+    use raypath_traversal::blocks::NodeKind;
+
+    /// A deeper tree than those of [`Bvh4::build`], as the binary tree of nested triangles is, has no blocks.
+    #[test]
+    fn a_tree_that_is_too_deep_for_the_unit_is_refused() {
+        // Triangles of growing size at one corner.
+        let corners = (0..1000).flat_map(|n| [[0.0, 0.0, 1.0], [1.0 + n as f32, 0.0, 1.0], [0.0, 1.0 + n as f32, 1.0]]);
+        let triangles = (0..1000).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+        let mesh = Mesh::new(corners.collect(), triangles).expect("a mesh");
+        let deep = Bvh4::within(&mesh, 16.0, u32::MAX);
+        let levels = deep.levels();
+        assert!(levels > 64, "{levels} levels");
+        assert_eq!(Blocks::of(&deep, NodeKind::Wide4), Err(BlocksError::TooDeep { levels }));
+        for max in [7, 20, Bvh4::MAX_LEVELS] {
+            let tree = Bvh4::within(&mesh, 16.0, max);
+            assert!(tree.levels() <= max, "{} levels, expected at most {max}", tree.levels());
+            assert!(Blocks::of(&tree, NodeKind::Wide4).is_ok());
+        }
+    }
 }

@@ -1,5 +1,7 @@
-use super::common::{Written, assert_neighbours_error, assert_vectors_error, base};
+use super::common::{Written, assert_error, assert_neighbours_error, assert_vectors_error, base};
 use crate::common::unzip;
+use raypath_search::read_vectors;
+use raypath_tools::MemoryLimit;
 
 /// A file of version 1 with this header and data.
 fn npy(header: &str, data: &[u8]) -> Vec<u8> {
@@ -119,11 +121,10 @@ fn hostile_files() {
     vectors_error(&npy(&header("<f4", "(1, 65537)"), &vec![0; 4 * 65537]), &["65537 dimensions"]);
     neighbours_error(&npy(&header("<i4", "(0, 5)"), &[]), 1, &["no neighbours"]);
     neighbours_error(&npy(&header("<i4", "(5, 0)"), &[]), 1, &["no neighbours"]);
-    for shape in ["(2147483648, 1024)", "(1, 4611686018427387)", "(4294967296, 0)"] {
-        let parts: &[&str] = if shape.ends_with("0)") { &["0 dimensions"] } else { &["found 4 bytes", "expected "] };
-        let data: &[u8] = if shape.ends_with("0)") { &[] } else { &[0; 4] };
-        vectors_error(&npy(&header("<f4", shape), data), parts);
+    for shape in ["(2147483648, 1024)", "(1, 4611686018427387)"] {
+        vectors_error(&npy(&header("<f4", shape), &[0; 4]), &["found 4 bytes", "expected "]);
     }
+    vectors_error(&npy(&header("<f4", "(4294967296, 0)"), &[]), &["4294967296 vectors of 0 coordinates take"]);
     for shape in [
         "(4294967296, 4294967296)",
         "(0, 4294967296, 4294967296, 16)",
@@ -138,14 +139,8 @@ fn hostile_files() {
     vectors_error(&npy(&header("<f4", "(-1, 2)"), &[0; 16]), &["header", "negative"]);
     let long = [b"\x93NUMPY\x02\x00", &u32::MAX.to_le_bytes()[..], &[b' '; 100]].concat();
     vectors_error(&long, &["header", "found 4294967295 bytes", "expected 10000 at most"]);
-    let bytes = npy(&header("<f4", "(2, 2)"), &floats(&[1.0, 2.0, 3.0, 4.0]));
-    let file = Written::new("a.npy", &bytes);
-    for position in 0..bytes.len() {
-        for value in [0, b'9', b'(', 0xff] {
-            let mut bytes = bytes.clone();
-            bytes[position] = value;
-            file.rewrite(&bytes);
-            let _ = (file.vectors(), file.neighbours(10));
-        }
-    }
+    let file = Written::new("a.npy", &npy(&header("|u1", "(100, 10)"), &[0; 1000]));
+    assert!(read_vectors(&file.path, MemoryLimit::of(100 * 8 * 74)).is_ok());
+    let problem = read_vectors(&file.path, MemoryLimit::of(100 * 8 * 74 - 1));
+    assert_error("a.npy", problem, &["100 vectors of 10 coordinates take 59200 bytes of memory"]);
 }
