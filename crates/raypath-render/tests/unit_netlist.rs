@@ -82,7 +82,7 @@ impl Subject {
 
     fn environment(&self, parameters: UnitParameters) -> Environment<'_> {
         let behaviour = Behaviour { latency: (1, 40), stalls: [0, 20, 20, 20], errors: 0 };
-        Environment::new(&self.scene, parameters.memory_width, self.rays.clone(), behaviour, 3)
+        Environment::new(&self.scene, parameters, self.rays.clone(), behaviour, 3)
     }
 
     /// Compares all replies with those of the functional model.

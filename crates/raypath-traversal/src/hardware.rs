@@ -27,4 +27,4 @@ pub(crate) use decoder::LATENCY as DECODER_LATENCY;
 pub use names::UnitParameter;
 pub use parameters::{UnitParameters, UnitParametersError};
 pub use step::{finish_module, prepare_module};
-pub use top::UnitNetlist;
+pub use top::{UnitNetlist, fixed_parameters};

@@ -4,7 +4,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_hdl::{Module, Simulator};
 use raypath_rtl::Config;
-use raypath_tools::Sources;
+use raypath_tools::{Sources, lint_verilator};
 use raypath_traversal::{UnitNetlist, UnitParameters};
 
 /// The port of the wrapper for one of the unit.
@@ -24,8 +24,8 @@ fn of_wrapper(port: &str) -> String {
     format!("m_axi_{axi}")
 }
 
-fn netlists(memory_width: u32) -> (UnitNetlist, std::sync::Arc<Module>) {
-    let parameters = UnitParameters { contexts: 8, memory_width, id_width: 9, ..UnitParameters::default() };
+fn netlists(contexts: u32, memory_width: u32) -> (UnitNetlist, std::sync::Arc<Module>) {
+    let parameters = UnitParameters { contexts, memory_width, id_width: 9, ..UnitParameters::default() };
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let axi = unit.axi().expect("a wrapper");
     (unit, axi)
@@ -33,10 +33,14 @@ fn netlists(memory_width: u32) -> (UnitNetlist, std::sync::Arc<Module>) {
 
 #[test]
 fn the_linters_are_silent() {
-    for memory_width in [128, 1024] {
-        let (_, axi) = netlists(memory_width);
+    for (contexts, memory_width) in [(8, 1024), (65, 128)] {
+        let (unit, axi) = netlists(contexts, memory_width);
         let folder = tempfile::tempdir().expect("a folder");
-        Sources::write(&axi, folder.path()).expect("sources").lint().expect("no report of the linters");
+        let mut sources = Sources::write(&axi, folder.path()).expect("sources");
+        sources.lint().expect("no report of the linters");
+        sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
+        let arguments = ["--assert", "-Wno-DECLFILENAME"];
+        lint_verilator(&sources.files, axi.name(), &arguments).expect("nor of Verilator with the assertions");
     }
 }
 
@@ -45,7 +49,7 @@ fn the_linters_are_silent() {
 #[test]
 fn the_wrapper_equals_the_unit_in_every_cycle() {
     for (memory_width, length, size) in [(128, 7, 4), (256, 3, 5), (512, 1, 6), (1024, 0, 7)] {
-        let (unit, axi) = netlists(memory_width);
+        let (unit, axi) = netlists(8, memory_width);
         let (mut plain, mut wrapped) =
             (Simulator::new(&unit.top).expect("a simulation"), Simulator::new(&axi).expect("a simulation"));
         let mut random = ChaCha8Rng::seed_from_u64(memory_width.into());

@@ -169,9 +169,7 @@ fn the_model_equals_the_netlist_in_every_cycle() {
         for (seed, behaviour) in (5..).zip([QUIET, slow, blocked]) {
             let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
             let mut model = UnitModel::of(&unit);
-            let width = parameters.memory_width;
-            let environment = Environment::new(&scene.0, width, rays.clone(), behaviour, seed + number);
-            let mut environment = environment.of_nodes(NODE);
+            let mut environment = Environment::new(&scene.0, parameters, rays.clone(), behaviour, seed + number);
             while !environment.is_done() {
                 environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
                 assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
@@ -220,8 +218,7 @@ fn nodes_of_any_bytes_are_decoded_alike() {
     let parameters = UnitParameters { contexts: 16, step: step(4), ..Default::default() };
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let (mut netlist, mut model) = (NetlistEngine::new(&unit).expect("a simulation"), UnitModel::of(&unit));
-    let environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), QUIET, 3);
-    let mut environment = environment.of_nodes(NODE);
+    let mut environment = Environment::new(&scene.0, parameters, rays.clone(), QUIET, 3);
     while !environment.is_done() {
         environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
         assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
@@ -278,8 +275,7 @@ fn verilator_equals_the_model_in_every_cycle() {
     let options = Options::default();
     let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
     let mut recorded = Recorder::new(UnitModel::of(&unit), &unit.top);
-    let environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
-    let mut environment = environment.of_nodes(NODE);
+    let mut environment = Environment::new(&scene.0, parameters, rays, QUIET, 2);
     while !environment.is_done() {
         if [300, 900].contains(&recorded.cycles.len()) {
             environment.reset(&mut [&mut recorded]);

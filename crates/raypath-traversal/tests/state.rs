@@ -84,7 +84,7 @@ fn nothing_depends_on_what_was_before_a_reset() {
     let rays = (0..100).map(|_| random_ray(root, &mut random)).collect();
     let behaviour = Behaviour { latency: (1, 40), stalls: [40; 4], errors: 100 };
     let [mut first, mut second, mut third] = [1, 2, 3].map(|seed| Unknown::new(&unit, seed));
-    let mut environment = Environment::new(&blocks.0, unit.parameters.memory_width, rays, behaviour, 5);
+    let mut environment = Environment::new(&blocks.0, unit.parameters, rays, behaviour, 5);
     while !environment.is_done() {
         environment.cycle(&mut [&mut first, &mut second, &mut third]).expect("equal outputs");
         assert!(environment.cycles() < 200_000, "{} rays ended", environment.replies.len());

@@ -1,16 +1,19 @@
 //! The simulated netlist of the unit returns what the functional model does, whatever the memory and the users of the
 //! other channels do.
 
-use rand::SeedableRng;
+use crate::common::along_z;
 use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Options, Sources, Verilated};
 use raypath_traversal::state::status;
-use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, Recorder, TwoLevelScene, random_ray};
+use raypath_traversal::traffic::{
+    Behaviour, BlockScene, Environment, RecordedCycle, Recorder, TwoLevelScene, random_ray,
+};
 use raypath_traversal::{
-    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitFeatures, UnitModel, UnitNetlist, UnitParameters,
-    outputs_of,
+    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
+    UnitNetlist, UnitParameters, outputs_of,
 };
 
 /// All optional parts.
@@ -40,7 +43,7 @@ fn the_netlist_returns_what_the_functional_model_does() {
     };
     let unit = UnitNetlist::new(Config::DEFAULT.control(Control::Credit), parameters).expect("a unit");
     let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
-    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), QUIET, 2);
+    let mut environment = Environment::new(&scene.0, parameters, rays.clone(), QUIET, 2);
     while !environment.is_done() {
         environment.cycle(&mut [&mut netlist]).expect("the protocol");
         assert!(environment.cycles() < 1_000_000, "{} of {} rays ended", environment.replies.len(), rays.len());
@@ -61,7 +64,8 @@ fn the_model_equals_the_netlist_in_every_cycle() {
         ..StepParameters::default()
     };
     let parameters = [
-        UnitParameters { contexts: 8, memory_width: 128, divider_latency: 1, ..UnitParameters::default() },
+        // More rays than ids.
+        UnitParameters { contexts: 8, memory_width: 128, id_width: 3, divider_latency: 1, ..UnitParameters::default() },
         UnitParameters {
             contexts: 12,
             step: StepParameters { stack: 2, ..StepParameters::default() },
@@ -77,8 +81,7 @@ fn the_model_equals_the_netlist_in_every_cycle() {
             for (seed, behaviour) in (5..).zip([QUIET, slow, blocked]) {
                 let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
                 let mut model = UnitModel::of(&unit);
-                let width = parameters.memory_width;
-                let mut environment = Environment::new(&scene.0, width, rays.clone(), behaviour, seed + number);
+                let mut environment = Environment::new(&scene.0, parameters, rays.clone(), behaviour, seed + number);
                 while !environment.is_done() {
                     environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
                     assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
@@ -89,6 +92,30 @@ fn the_model_equals_the_netlist_in_every_cycle() {
                 }
             }
         }
+    }
+}
+
+/// While no hit is taken, a unit accepts a ray for each context, and one more: a hit at the port has given its context
+/// back.
+#[test]
+fn a_unit_accepts_one_ray_more_than_it_has_contexts() {
+    for (contexts, features) in [(8, UnitFeatures::OFF), (11, EVERYTHING)] {
+        let step = StepParameters { features, ..StepParameters::default() };
+        let parameters = UnitParameters { contexts, step, ..UnitParameters::default() };
+        let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+        let (mut netlist, mut model) = (NetlistEngine::new(&unit).expect("a simulation"), UnitModel::of(&unit));
+        let mut accepted = 0;
+        for _ in 0..500 {
+            let outputs = netlist.outputs();
+            assert_eq!(outputs, model.outputs());
+            accepted += u32::from(outputs.ray_ready);
+            // The root is missing, so that a ray ends without a request.
+            let ray = Some((u64::from(accepted), along_z(0)));
+            let inputs = UnitInputs { ray, ..UnitInputs::default() };
+            netlist.cycle(&inputs);
+            model.cycle(&inputs);
+        }
+        assert_eq!(accepted, contexts + 1);
     }
 }
 
@@ -112,8 +139,7 @@ fn the_model_equals_the_netlist_in_every_cycle_with_instances() {
             let rays: Vec<RayRequest> = (0..200).map(|_| random_ray(root, &mut random)).collect();
             let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
             let mut model = UnitModel::of(&unit);
-            let width = parameters.memory_width;
-            let mut environment = Environment::new(&blocks.0, width, rays.clone(), behaviour, 3);
+            let mut environment = Environment::new(&blocks.0, parameters, rays.clone(), behaviour, 3);
             while !environment.is_done() {
                 environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
                 assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
@@ -130,7 +156,7 @@ fn the_model_equals_the_netlist_in_every_cycle_with_instances() {
 }
 
 /// The frames that drove the netlist, with two resets while rays are inside, drive Verilator, which begins with random
-/// values in registers and memories.
+/// values in registers and memories and without a reset. No assertion fails.
 #[test]
 fn verilator_equals_the_netlist_in_every_cycle() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -162,18 +188,25 @@ fn verilator_equals_the_netlist(scene: &BlockScene, rays: Vec<RayRequest>, param
     let options = Options::default();
     let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
     let mut recorded = Recorder::new(NetlistEngine::new(&unit).expect("a simulation"), &unit.top);
-    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
+    let mut environment = Environment::new(&scene.0, parameters, rays, QUIET, 2);
     while !environment.is_done() {
         if RESETS.contains(&recorded.cycles.len()) {
             environment.reset(&mut [&mut recorded]);
         }
         environment.cycle(&mut [&mut recorded]).expect("the protocol");
     }
-    let (frames, outputs): (Vec<_>, Vec<_>) =
-        recorded.cycles.into_iter().map(|cycle| (cycle.frame, cycle.outputs)).unzip();
+    // Before the first reset everything is unknown, as are the inputs.
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    let words = recorded.cycles[0].frame.len() - 1;
+    let before = (0..20).map(|cycle| {
+        let frame = [u64::from(cycle < 17)].into_iter().chain((0..words).map(|_| random.random())).collect();
+        RecordedCycle { frame, outputs: None }
+    });
+    let cycles = before.chain(recorded.cycles).map(|cycle| (cycle.frame, cycle.outputs));
+    let (frames, outputs): (Vec<_>, Vec<_>) = cycles.unzip();
     let mut seen = 0;
     verilated
-        .run_randomly(1, frames, |cycle, found| {
+        .run_from_power_up(1, frames, |cycle, found| {
             // In a reset no output is expected.
             if let Some(expected) = &outputs[cycle] {
                 assert_eq!(outputs_of(found), *expected, "cycle {cycle}");

@@ -148,9 +148,8 @@ impl Episode {
 
     /// The memory with the scene, and the users of the other channels.
     pub fn environment(&self, parameters: UnitParameters, seed: u64) -> Environment<'_> {
-        Environment::new(&self.scene.0, parameters.memory_width, self.rays.clone(), self.behaviour, seed)
+        Environment::new(&self.scene.0, parameters, self.rays.clone(), self.behaviour, seed)
             .with_longest_stall(self.longest_stall)
-            .of_nodes(parameters.step.node)
     }
 
     /// Drives engines in lockstep until all rays have ended or were lost in a reset, in at most so many cycles. Returns

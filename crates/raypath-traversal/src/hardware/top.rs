@@ -18,8 +18,8 @@ use crate::set_up::Entry;
 use crate::step::UnitFeatures;
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
-use raypath_ops::{Binary32, Culling, JobKind, RayBoxInput, RayTriangleInput, Rules, ports_of};
-use raypath_rtl::{Config, Datapath, Features, Lanes, Operations};
+use raypath_ops::{Binary32, Culling, JobKind, RayBoxInput, RayTriangleInput, ports_of};
+use raypath_rtl::{Config, Datapath, Features, Lanes, Operations, PARAMETER_GROUPS, Parameter};
 use std::sync::Arc;
 
 /// The unit's netlist and that of its datapath.
@@ -78,20 +78,22 @@ impl UnitNetlist {
 
 /// An error for what the unit does not have.
 fn check(config: Config) -> Result<(), UnitError> {
-    let Config { semantics, microarchitecture } = config;
-    let default = Config::DEFAULT;
-    let features = Features { barycentrics: false, ..semantics.features };
-    let features = Config::DEFAULT.features(features).options();
-    let checks = [
-        ("rules", semantics.rules == Rules::Paper, semantics.rules.to_string(), "rules paper"),
-        ("format", semantics.format == default.semantics.format, semantics.format.to_string(), "format fp32"),
-        ("features", features.is_empty(), features, "no feature but barycentrics: the unit adds those that it needs"),
-        ("io", microarchitecture.io == default.microarchitecture.io, microarchitecture.io.to_string(), "io ieee"),
-    ];
-    match checks.into_iter().find(|(_, is_available, ..)| !is_available) {
+    match fixed_parameters().find(|parameter| parameter.get(&config) != parameter.default()) {
         None => Ok(()),
-        Some((parameter, _, value, expected)) => Err(UnitError::Datapath { parameter, value, expected }),
+        Some(fixed) => {
+            Err(UnitError::Datapath { parameter: fixed.name, value: fixed.get(&config), expected: fixed.default() })
+        }
     }
+}
+
+/// The parameters of the datapath that a unit has at their defaults alone: the rules and the numbers at its ports, and
+/// all features but barycentric coordinates, because it adds those that it needs.
+pub fn fixed_parameters() -> impl Iterator<Item = &'static Parameter> {
+    let [semantics, microarchitecture, features] = PARAMETER_GROUPS;
+    let of_ports = semantics.parameters.iter().chain(microarchitecture.parameters);
+    of_ports
+        .filter(|parameter| ["rules", "box-bits", "format", "io"].contains(&parameter.name))
+        .chain(features.parameters.iter().filter(|parameter| parameter.name != "barycentrics"))
 }
 
 /// The datapath of this configuration; with instances, it has the operation that transforms rays too.

@@ -52,7 +52,7 @@ fn verilator(scene: &[u8], rays: &[RayRequest], repetitions: usize) -> Result<f6
     let stride = (rays.len() / RECORDED).max(1);
     let rays: Vec<RayRequest> = rays.iter().copied().step_by(stride).collect();
     let behaviour = Behaviour { latency: (LATENCY, LATENCY), stalls: [0; 4], errors: 0 };
-    let mut environment = Environment::new(scene, unit.parameters.memory_width, rays, behaviour, 1);
+    let mut environment = Environment::new(scene, unit.parameters, rays, behaviour, 1);
     let top = &unit.top;
     let mut recorder = Recorder::new(UnitModel::of(&unit), top);
     while !environment.is_done() {
