@@ -1,11 +1,11 @@
 //! Traffic at the ports of a unit: scenes, rays, a memory that answers in any order, and users that stall.
 
-mod recorder;
+mod recorded;
 mod scatter;
 mod scene;
 mod two_level;
 
-pub use recorder::{RecordedCycle, Recorder};
+pub use recorded::{RecordedCycle, RecordedEngine};
 pub use scatter::invalid_child;
 pub use scene::{BlockScene, never, random_ray};
 pub use two_level::TwoLevelScene;

@@ -46,8 +46,6 @@ pub struct Setting {
     pub unit: UnitNetlist,
     pub(super) variant: Variant,
     pub(super) modules: Vec<Arc<Module>>,
-    /// Whether all bits of the data are followed, and not some of them.
-    pub is_wide: bool,
 }
 
 impl Setting {
@@ -55,14 +53,14 @@ impl Setting {
     ///
     /// # Errors
     /// The unit cannot be built.
-    pub fn least(variant: Variant, is_wide: bool) -> Result<Self, Error> {
-        Self::new(variant, LEAST, is_wide)
+    pub fn least(variant: Variant) -> Result<Self, Error> {
+        Self::new(variant, LEAST)
     }
 
-    pub(super) fn new(variant: Variant, parameters: UnitParameters, is_wide: bool) -> Result<Self, Error> {
+    pub(super) fn new(variant: Variant, parameters: UnitParameters) -> Result<Self, Error> {
         let unit = built(Config::DEFAULT, variant.of(parameters))?;
         let modules = verilog::modules(&unit.top)?;
-        Ok(Self { unit, variant, modules, is_wide })
+        Ok(Self { unit, variant, modules })
     }
 
     pub(super) fn module(&self, name: &str) -> Result<&Arc<Module>, Error> {

@@ -5,7 +5,7 @@ use rand::RngExt;
 use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
 use raypath_tools::CoveragePoint;
-use raypath_traversal::traffic::{BlockScene, Recorder, invalid_child};
+use raypath_traversal::traffic::{BlockScene, RecordedEngine, invalid_child};
 use raypath_traversal::{UnitModel, UnitNetlist, UnitParameters, outputs_of};
 use raypath_verify::Error;
 use raypath_verify_traversal::campaign::Episode;
@@ -62,7 +62,7 @@ impl Design for UnitDesign {
 
     /// Episodes one after another, with blocks anywhere in memory.
     fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Result<Run, String> {
-        let mut recorder = Recorder::new(UnitModel::of(&self.0), &self.0.top);
+        let mut recorder = RecordedEngine::new(UnitModel::of(&self.0), &self.0.top);
         for number in episodes_of(number, EPISODES) {
             self.record(&mut recorder, omitted.is_none(), [seed, number])?;
         }
@@ -82,7 +82,7 @@ impl UnitDesign {
     /// Runs the episode of a seed and a number, whose scene is a single leaf if it has no nodes.
     fn record(
         &self,
-        recorder: &mut Recorder<UnitModel>,
+        recorder: &mut RecordedEngine<UnitModel>,
         has_nodes: bool,
         [seed, number]: [u64; 2],
     ) -> Result<(), String> {
