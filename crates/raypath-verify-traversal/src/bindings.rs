@@ -108,7 +108,8 @@ pub fn blocks(setting: &Setting, module: &Module) -> String {
         }
         let _ = writeln!(
             text,
-            "  wire p_{stem}_{beat};\n  p_kept #(.B ({})) p_keeps_{stem}_{beat} (.clk_i, .rst_ni, .ignored (1'b0), .stored ('0),\n    \
+            "  wire p_{stem}_{beat};\n  p_kept #(.B ({})) p_keeps_{stem}_{beat} (.clk_i, .rst_ni,\n    \
+             .ignored (1'b0), .stored ('0), \
              .writes (valid_i && context_i == p_context && p_beats_q == {beat}), .stays (),\n    \
              .reads ({reader}_read_i && {reader}_context_i == p_context), .right (p_{stem}_{beat}),\n    \
              .given ({{{}}}),\n    .shown ({{{}}}));",
@@ -248,7 +249,8 @@ pub fn rays(setting: &Setting, module: &Module) -> String {
     format!(
         "  localparam int A = {width};\n  (* anyconst *) logic [A-1:0] p_context;\n  \
          always_comb assume (p_context < N);\n  wire [A-1:0] p_known_context = @_context;\n  \
-         wire p_known = @_valid, p_set_up_ready = @_ready, p_is_instance = {is_instance}, p_is_inside = {is_inside};\n  \
+         wire p_known = @_valid, p_set_up_ready = @_ready;\n  \
+         wire p_is_instance = {is_instance}, p_is_inside = {is_inside};\n  \
          wire [W-1:0] p_known_word = {{@_context, @_is_refused{given}}};\n  \
          wire [W-1:0] p_start_word = {{start_context_o, start_is_refused_o{shown}}};\n  \
          wire [197:0] p_constants = {{{CONSTANTS}}};\n"

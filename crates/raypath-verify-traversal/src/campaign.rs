@@ -53,8 +53,8 @@ const DEEP_RAYS: usize = 8;
 /// Barycentric coordinates alone.
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, instances: false };
 
-/// The units of the campaign: contexts, stack, nodes, width of the memory, of ids, latency of division, control, optional
-/// parts.
+/// The units of the campaign: contexts, stack, nodes, width of the memory and of ids, latency of division, control,
+/// optional parts.
 const UNITS: [(u32, u32, NodeKind, u32, u32, u32, Control, UnitFeatures); 8] = [
     (8, 2, NodeKind::Wide4, 256, 16, 2, Control::Skid, UnitFeatures::OFF),
     (16, 4, NodeKind::Wide4, 512, 64, 9, Control::Credit, UnitFeatures::OFF),

@@ -22,8 +22,8 @@ pub struct Claim {
     /// What happens in some run of the module: the proof that it never does must be refuted, otherwise the environment
     /// permits too little.
     pub happens: &'static str,
-    /// Faults: the property that must be refuted in spite of the others, a text of the module of the least unit, and its
-    /// faulty replacement.
+    /// Faults: the property that must be refuted by itself, a text of the module of the least unit, and its faulty
+    /// replacement.
     pub faults: &'static [(&'static str, &'static str, &'static str)],
 }
 
@@ -83,123 +83,126 @@ macro_rules! claims {
 claims! {
     "raypath_unit_free" in Plain: include_str!("properties/queue.sv"),
         Some(("", "raypath_unit_free")), queue_words; "p_follows_q && p_leaves && p_ahead_q == 0"; {
-        unknown: "valid_q <= read | (valid_q & ~pop_i)" => "valid_q <= read";
-        unknown: "(head_q != tail_q) & (~valid_q | pop_i)" => "head_q != tail_q";
-        unknown: "head_q <= head_q + 3'd1" => "head_q <= head_q + 3'd2";
-        unknown: "(head_q != tail_q) & (~valid_q | pop_i)" => "~valid_q | pop_i";
-        unknown: ".write_enable_i (push_i)" => ".write_enable_i (push_i & (tail_q != 3'd7))";
+        progress: "valid_q <= read | (valid_q & ~pop_i)" => "valid_q <= read";
+        order: "(head_q != tail_q) & (~valid_q | pop_i)" => "head_q != tail_q";
+        order: "head_q <= head_q + 3'd1" => "head_q <= head_q + 3'd2";
+        real_word: "(head_q != tail_q) & (~valid_q | pop_i)" => "~valid_q | pop_i";
+        order: ".write_enable_i (push_i)" => ".write_enable_i (push_i & (tail_q != 3'd7))";
     }
     "raypath_unit_contexts" in Plain: include_str!("properties/contexts.sv"),
         Some(("u_free.", "raypath_unit_free")), contexts; "p_returns_q && p_takes"; {
-        unknown: "has_fresh_q & ~is_last" => "has_fresh_q";
-        unknown: ".push_i (release_i)" => ".push_i (release_i & has_fresh_q)";
-        unknown: ".pop_i (take_i & ~has_fresh_q)" => ".pop_i (take_i)";
-        unknown: "fresh_q <= fresh_q + 3'd1" => "fresh_q <= fresh_q + 3'd2";
+        once: "has_fresh_q & ~is_last" => "has_fresh_q";
+        progress: ".push_i (release_i)" => ".push_i (release_i & has_fresh_q)";
+        returns: ".pop_i (take_i & ~has_fresh_q)" => ".pop_i (take_i)";
+        once: "fresh_q <= fresh_q + 3'd1" => "fresh_q <= fresh_q + 3'd2";
     }
     "raypath_unit_scheduler" in Plain: include_str!("properties/scheduler.sv"),
         None, nothing; "p_waits_q[14:12] == 4 && grant_o[4]"; {
-        unknown: "assign later = request_i[4:1] & after_q" => "assign later = 4'd0";
-        unknown: "{|grant[3:0]," => "{|grant[2:0],";
-        unknown: "later & (~later + 4'd1)" => "later";
-        unknown: "request_i & (~request_i + 5'd1)" => "5'd0";
+        fair: "assign later = request_i[4:1] & after_q" => "assign later = 4'd0";
+        fair: "{|grant[3:0]," => "{|grant[2:0],";
+        one_hot: "later & (~later + 4'd1)" => "later";
+        always_one: "request_i & (~request_i + 5'd1)" => "5'd0";
     }
     "raypath_unit_blocks" in Plain: include_str!("properties/blocks.sv"),
         None, blocks; "p_here && arrived_o && failed_o && !error_i"; {
-        unknown: "valid_i & (beat == 2'd3)" => "valid_i & (beat == 2'd2)";
-        unknown: "failed_0_q <= failed & ~failed_0_t1" => "failed_0_q <= failed";
-        unknown: "failed      = failed_t1 | error_i" => "failed      = error_i";
-        unknown: "valid_i & (beat == 2'd3)" => "beat == 2'd3";
+        last_beat: "valid_i & (beat == 2'd3)" => "valid_i & (beat == 2'd2)";
+        error: "failed_0_q <= failed & ~failed_0_t1" => "failed_0_q <= failed";
+        error: "failed      = failed_t1 | error_i" => "failed      = error_i";
+        no_other: "valid_i & (beat == 2'd3)" => "beat == 2'd3";
+        kept: ".write_enable_i (valid_i & (beat == 2'd1))" => ".write_enable_i (valid_i & (beat == 2'd2))";
     }
     "raypath_unit_issue" in Plain: include_str!("properties/issue.sv"),
         Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && p_jobs_q == 2 && !p_failed"; {
-        unknown: "assign ends = (leaves & is_last)" => "assign ends = leaves";
-        unknown: "take = arrivals_valid & (~busy_q | ends)" => "take = ~busy_q | ends";
-        unknown: "offer   = busy_q & ~failed_q" => "offer   = busy_q";
-        unknown: "place_q <= take ? 2'd0 : place_q + 2'd1" => "place_q <= place_q + 2'd1";
-        unknown: "if (take | leaves) begin" => "if (take | offer) begin";
-        unknown: "(fault & fault_taken_i)" => "fault";
+        each_job: "assign ends = (leaves & is_last)" => "assign ends = leaves";
+        takes: "take = arrivals_valid & (~busy_q | ends)" => "take = ~busy_q | ends";
+        fault_only: "offer   = busy_q & ~failed_q" => "offer   = busy_q";
+        each_job: "place_q <= take ? 2'd0 : place_q + 2'd1" => "place_q <= place_q + 2'd1";
+        words: "if (take | leaves) begin" => "if (take | offer) begin";
+        fault_only: "(fault & fault_taken_i)" => "fault";
     }
     "raypath_unit_hits" in Plain: include_str!("properties/hits.sv"),
         Some(("u_ended.", "raypath_unit_ended")), hits; "p_shows_q && ready_i"; {
-        unknown: "takes  = ended_valid & (~valid_q | ready_i)" => "takes  = ended_valid";
-        unknown: "valid_q <= takes | (valid_q & ~ready_i)" => "valid_q <= takes";
-        unknown: "valid_q <= takes | (valid_q & ~ready_i)" => "valid_q <= takes | valid_q";
-        unknown: ".write_address_i (context_i)" => ".write_address_i (ended_context)";
+        one_hit: "takes  = ended_valid & (~valid_q | ready_i)" => "takes  = ended_valid";
+        one_hit: "valid_q <= takes | (valid_q & ~ready_i)" => "valid_q <= takes";
+        one_hit: "valid_q <= takes | (valid_q & ~ready_i)" => "valid_q <= takes | valid_q";
+        own_values: ".write_address_i (context_i)" => ".write_address_i (ended_context)";
     }
     "raypath_unit_walk" in Plain: include_str!("properties/walk.sv"),
         Some(("u_continues.", "raypath_unit_continues")), nothing; "p_continues && p_follows_q && p_ahead_q == 0"; {
-        unknown: "finishes_q & (finish_request_kind == 2'd1)" => "finish_request_kind == 2'd1";
-        unknown: "finishes_q & (finish_request_kind == 2'd1)" => "1'b0";
-        unknown: "<= prepared_context_q;" => "<= read_context;";
-        unknown: "prepares_q <= read;" => "prepares_q <= read & ~start_valid_i;";
-        unknown: "(block_context_i &\n      {3{scheduler_grant[1]}})" => "(block_context_i & {3{scheduler_grant[0]}})";
+        one_request: "finishes_q & (finish_request_kind == 2'd1)" => "finish_request_kind == 2'd1";
+        one_request: "finishes_q & (finish_request_kind == 2'd1)" => "1'b0";
+        two_cycles: "<= prepared_context_q;" => "<= read_context;";
+        two_cycles: "prepares_q <= read;" => "prepares_q <= read & ~start_valid_i;";
+        own_context: "(block_context_i &\n      {3{scheduler_grant[1]}})"
+            => "(block_context_i & {3{scheduler_grant[0]}})";
     }
     "raypath_unit_distance" in Plain: include_str!("properties/distance.sv"),
         None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {
-        unknown: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
-        unknown: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
-        unknown: "is_complete_q <= (folds & tag_q[2])" => "is_complete_q <= folds";
-        unknown: "read  = divider_valid & moves" => "read  = divider_valid";
-        unknown: ".write_address_i ({context_i, place_i})" => ".write_address_i ({context_i, 2'd0})";
+        reads: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
+        order: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
+        real_block: "is_complete_q <= (folds & tag_q[2])" => "is_complete_q <= folds";
+        real_triangle: "read  = divider_valid & moves" => "read  = divider_valid";
+        fraction: ".write_address_i ({context_i, place_i})" => ".write_address_i ({context_i, 2'd0})";
     }
     "raypath_unit_set_up" in Plain: include_str!("properties/set_up.sv"),
         None, set_up; "valid_o && !p_inside_q[0]"; {
-        unknown: "ready   = ~busy_q | is_last" => "ready   = 1'b1";
-        unknown: "valid_o        = divider_valid & divider_tag[0]" => "valid_o        = divider_valid";
-        unknown: "is_last = number_q == 3'd4" => "is_last = number_q == 3'd5";
-        unknown: "has_operands_q <= busy_q" => "has_operands_q <= enters";
+        every_five: "ready   = ~busy_q | is_last" => "ready   = 1'b1";
+        once: "valid_o        = divider_valid & divider_tag[0]" => "valid_o        = divider_valid";
+        every_five: "is_last = number_q == 3'd4" => "is_last = number_q == 3'd5";
+        own_context: "has_operands_q <= busy_q" => "has_operands_q <= enters";
     }
     "raypath_unit_rays" in Plain: include_str!("properties/rays.sv"),
         Some(("u_starts.", "raypath_unit_starts")), rays; "p_follows_q && p_leaves && p_ahead_q == 0"; {
-        unknown: "ready = set_up_ready & contexts_valid" => "ready = contexts_valid";
-        unknown: "(enters), .write_address_i (contexts_context)" => "(enters), .write_address_i (hit_context_i)";
-        unknown: ".read_enable_i (release_i)" => ".read_enable_i (start_taken_i)";
-        unknown: ".push_i (set_up_valid)" => ".push_i (set_up_valid & ~set_up_is_refused)";
-        unknown: ".write_address_i (set_up_context)" => ".write_address_i (contexts_context)";
+        accepts: "ready = set_up_ready & contexts_valid" => "ready = contexts_valid";
+        kept: "(enters), .write_address_i (contexts_context)" => "(enters), .write_address_i (hit_context_i)";
+        kept: ".read_enable_i (release_i)" => ".read_enable_i (start_taken_i)";
+        progress: ".push_i (set_up_valid)" => ".push_i (set_up_valid & ~set_up_is_refused)";
+        kept: ".write_address_i (set_up_context)" => ".write_address_i (contexts_context)";
     }
-    "raypath_unit_rays" in Instances: concat!(include_str!("properties/rays_instances.sv"), include_str!("properties/rays.sv")),
+    "raypath_unit_rays" in Instances: concat!(include_str!("properties/rays_instances.sv"),
+            include_str!("properties/rays.sv")),
         Some(("u_starts.", "raypath_unit_starts")), rays; "p_follows_q && p_leaves && p_ahead_q == 0"; {
-        unknown: ".write_enable_i (entries_valid & ~entries_is_instance)" => ".write_enable_i (entries_valid)";
-        unknown: "job_inside_i ? object_constants_kx : constants_kx" => "constants_kx";
-        unknown: "job_inside_i ? object_origins_x : origins_origin_x" => "object_origins_x";
-        unknown: ".is_instance_i (entries_is_instance)" => ".is_instance_i (1'b0)";
+        kept: ".write_enable_i (entries_valid & ~entries_is_instance)" => ".write_enable_i (entries_valid)";
+        kept_in_instances: "job_inside_i ? object_constants_kx : constants_kx" => "constants_kx";
+        kept: "job_inside_i ? object_origins_x : origins_origin_x" => "object_origins_x";
+        order: ".is_instance_i (entries_is_instance)" => ".is_instance_i (1'b0)";
     }
     "raypath_unit_entries" in Instances: include_str!("properties/entries.sv"),
         None, set_up; "enters_instance_o && p_waits_q[3:0] == 9"; {
-        unknown: "chosen = waits & ~(yields_q & free_i)" => "chosen = waits";
-        unknown: "if (is_origin) begin" => "if (transformed_valid_i) begin";
-        unknown: "ready_o             = ready & ~chosen" => "ready_o             = ready";
-        unknown: "~transformed_is_last_i | (chosen & ready)" => "~transformed_is_last_i | chosen";
-        unknown: "chosen ? transformed_context_i : context_i" => "chosen ? context_i : transformed_context_i";
+        new_ray_waits: "chosen = waits & ~(yields_q & free_i)" => "chosen = waits";
+        own_origin: "if (is_origin) begin" => "if (transformed_valid_i) begin";
+        every_five: "ready_o             = ready & ~chosen" => "ready_o             = ready";
+        enters: "~transformed_is_last_i | (chosen & ready)" => "~transformed_is_last_i | chosen";
+        own_context: "chosen ? transformed_context_i : context_i" => "chosen ? context_i : transformed_context_i";
     }
     "raypath_unit_decoder" in Quantised: include_str!("properties/decoder.sv"),
         None, decoder; "p_follows_q && p_ahead_q == 1"; {
-        unknown: "advances = ~has_sums_q | ready_i" => "advances = 1'b1";
-        unknown: "read = advances & has_operands_q" => "read = has_operands_q";
-        unknown: "has_sums_q <= has_operands_q" => "has_sums_q <= has_operands_q | has_sums_q";
-        unknown: "context_q    <= operands_context_q" => "context_q    <= context_i";
+        order: "advances = ~has_sums_q | ready_i" => "advances = 1'b1";
+        real_block: "read = advances & has_operands_q" => "read = has_operands_q";
+        shows: "has_sums_q <= has_operands_q" => "has_sums_q <= has_operands_q | has_sums_q";
+        order: "context_q    <= operands_context_q" => "context_q    <= context_i";
     }
     "raypath_unit_weights" in Quantised: include_str!("properties/weights.sv"),
         None, weights; "p_follows_q && p_leaves && p_ahead_q == 2"; {
-        unknown: "ends = enters & is_second_q" => "ends = enters";
-        unknown: "moves   = ~is_complete | ready_i" => "moves   = 1'b1";
-        unknown: "is_complete = divider_valid & divider_tag[0]" => "is_complete = divider_valid";
-        unknown: "if (divider_valid & ~divider_tag[0]) begin" => "if (divider_valid) begin";
-        unknown: "decode_ieee & {32{divider_tag[1]}}" => "decode_ieee";
+        both: "ends = enters & is_second_q" => "ends = enters";
+        order: "moves   = ~is_complete | ready_i" => "moves   = 1'b1";
+        progress: "is_complete = divider_valid & divider_tag[0]" => "is_complete = divider_valid";
+        both: "if (divider_valid & ~divider_tag[0]) begin" => "if (divider_valid) begin";
+        no_hit: "decode_ieee & {32{divider_tag[1]}}" => "decode_ieee";
     }
     "raypath_unit_distance" in Quantised: include_str!("properties/distance.sv"),
         None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {
-        unknown: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
-        unknown: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
-        unknown: "is_complete_q <= folds | (is_complete_q & ~taken_i)" => "is_complete_q <= folds";
-        unknown: "read  = divider_valid & moves" => "read  = divider_valid";
-        unknown: "context_q           <= tag_q[4:2]" => "context_q           <= divider_tag[4:2]";
+        reads: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
+        order: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
+        stays: "is_complete_q <= folds | (is_complete_q & ~taken_i)" => "is_complete_q <= folds";
+        real_triangle: "read  = divider_valid & moves" => "read  = divider_valid";
+        order: "context_q           <= tag_q[4:2]" => "context_q           <= divider_tag[4:2]";
     }
     "raypath_unit_issue" in Quantised: include_str!("properties/issue.sv"),
         Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && !p_failed"; {
-        unknown: "assign ends = leaves |" => "assign ends = offer |";
-        unknown: "take = arrivals_valid & (~busy_q | ends)" => "take = ~busy_q | ends";
-        unknown: "offer  = busy_q & ~failed_q" => "offer  = busy_q";
-        unknown: "(fault & fault_taken_i)" => "fault";
+        each_job: "assign ends = leaves |" => "assign ends = offer |";
+        takes: "take = arrivals_valid & (~busy_q | ends)" => "take = ~busy_q | ends";
+        fault_only: "offer  = busy_q & ~failed_q" => "offer  = busy_q";
+        fault_only: "(fault & fault_taken_i)" => "fault";
     }
 }

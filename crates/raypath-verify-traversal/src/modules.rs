@@ -1,13 +1,11 @@
-//! Checks of modules with data, each by itself: with states that episodes do not reach, or seldom. Queues, contexts,
-//! the scheduler and blocks have none, because their properties say all that they must do.
+//! Checks of modules with data, each by itself: with states that episodes do not reach, or seldom. The other
+//! modules have none, because their properties say all that they must do.
 
 mod decoder;
 mod distance;
-mod entries;
 mod hits;
 mod set_up;
 mod steps;
-mod weights;
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -40,11 +38,9 @@ fn check_of(module: &Module) -> Option<Check> {
     let check: Check = match module.name() {
         "raypath_unit_prepare" => |bench, unit| steps::prepare(bench, unit.step.features),
         "raypath_unit_finish" => |bench, unit| steps::finish(bench, unit.step),
-        "raypath_unit_set_up" => |bench, unit| set_up::run(bench, unit.divider_latency),
-        "raypath_unit_entries" => |bench, unit| entries::run(bench, unit.divider_latency),
+        "raypath_unit_set_up" | "raypath_unit_entries" => |bench, unit| set_up::run(bench, unit.divider_latency),
         "raypath_unit_decoder" => |bench, _| decoder::run(bench),
-        "raypath_unit_weights" => |bench, unit| weights::run(bench, unit.divider_latency),
-        "raypath_unit_distance" => |bench, unit| distance::run(bench, unit.contexts),
+        "raypath_unit_distance" => |bench, _| distance::run(bench),
         "raypath_unit_hits" => |bench, unit| hits::run(bench, unit.contexts, unit.divider_latency),
         _ => return None,
     };

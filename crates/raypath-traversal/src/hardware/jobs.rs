@@ -8,7 +8,7 @@ use raypath_hdl::{Builder, Module};
 use raypath_ops::{Binary32, RayBoxInput, RayTriangleInput, ports_of};
 
 /// The parts from which the inputs of jobs come.
-pub(super) struct Jobs<'m> {
+pub struct Jobs<'m> {
     pub rays: Outputs<'m>,
     pub blocks: Outputs<'m>,
     pub issue: Outputs<'m>,

@@ -38,8 +38,8 @@
   always_comb returns: assert (!(p_returns_q && p_ahead_q == 0 && valid_o) || context_o == p_context);
   always_comb soon: assert (!p_returns_q || p_ahead_q < N);
 
-  // Lemmas. A word that waits is the context that is followed exactly where that one is. By induction over time this holds
-  // at all addresses of the memory: it is assumed of what is read, and proved of the slot, which is any address.
+  // Lemmas. A word that waits is the context that is followed exactly where that one is. By induction over time this
+  // holds at all addresses of the memory: it is assumed of what is read, and proved of the slot, which is any address.
   wire [8:0] p_fresh = 9'(N) - p_fresh_q;
   wire [8:0] p_index = p_ahead_q - p_fresh;
   wire p_holds;
@@ -52,7 +52,8 @@
   wire [8:0] p_place = p_head + p_index - {8'd0, p_valid};
   wire [8:0] p_wrapped = p_place >= N ? p_place - 9'(N) : p_place;
   wire p_waits = p_returns_q && !p_at_front;
-  wire p_is_live = p_head < p_tail ? p_slot >= p_head && p_slot < p_tail : p_count != 0 && (p_slot >= p_head || p_slot < p_tail);
+  wire p_is_live = p_head < p_tail ? p_slot >= p_head && p_slot < p_tail
+    : p_count != 0 && (p_slot >= p_head || p_slot < p_tail);
   always_comb assume (p_other < N && (p_other == p_context) == (p_waits && p_wrapped == p_head));
   wire p_is_once = (!p_is_live || (p_stored < N && (p_stored == p_context) == (p_waits && p_wrapped == p_slot)))
     && (!p_valid || (p_front < N && (p_front == p_context) == p_at_front));

@@ -99,5 +99,6 @@
     end
   end
   always_comb lemmas: assert (p_holds && p_triangles == p_inside_q && p_lasts == p_blocks_q
-    && (!p_follows_q || (p_ahead_q < p_inside_q && p_place_q == p_slot && p_fractions_stored == p_fraction_q)) && !(p_follows_q && p_read_q)
+    && (!p_follows_q || (p_ahead_q < p_inside_q && p_place_q == p_slot && p_fractions_stored == p_fraction_q))
+    && !(p_follows_q && p_read_q)
     && (!p_chosen_q || p_before_q < p_blocks_q) && (p_blocks_q != 0 || p_waits_q == 0));

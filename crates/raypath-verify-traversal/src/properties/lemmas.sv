@@ -1,6 +1,6 @@
 
-// What holds in a queue of N words of W bits, of which one may be followed, `index` words behind the first. Of its memory
-// the word at one address is known, `stored` at `slot`.
+// What holds in a queue of N words of W bits, of which one may be followed, `index` words behind the first. Of its
+// memory the word at one address is known, `stored` at `slot`.
 module p_queue #(parameter int N = 8, parameter int W = 3) (
   input logic [8:0] count, head, tail, slot, inside, index,
   input logic valid, followed,
