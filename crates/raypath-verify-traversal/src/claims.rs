@@ -138,7 +138,7 @@ claims! {
     }
     "raypath_unit_distance" in Plain: include_str!("properties/distance.sv"),
         None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {
-        reads: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
+        order: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
         order: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
         real_block: "is_complete_q <= (folds & tag_q[2])" => "is_complete_q <= folds";
         real_triangle: "read  = divider_valid & moves" => "read  = divider_valid";
@@ -149,7 +149,7 @@ claims! {
         every_five: "ready   = ~busy_q | is_last" => "ready   = 1'b1";
         once: "valid_o        = divider_valid & divider_tag[0]" => "valid_o        = divider_valid";
         every_five: "is_last = number_q == 3'd4" => "is_last = number_q == 3'd5";
-        own_context: "has_operands_q <= busy_q" => "has_operands_q <= enters";
+        once: "has_operands_q <= busy_q" => "has_operands_q <= enters";
     }
     "raypath_unit_rays" in Plain: include_str!("properties/rays.sv"),
         Some(("u_starts.", "raypath_unit_starts")), rays; "p_follows_q && p_leaves && p_ahead_q == 0"; {
@@ -178,7 +178,7 @@ claims! {
     "raypath_unit_decoder" in Quantised: include_str!("properties/decoder.sv"),
         None, decoder; "p_follows_q && p_ahead_q == 1"; {
         order: "advances = ~has_sums_q | ready_i" => "advances = 1'b1";
-        real_block: "read = advances & has_operands_q" => "read = has_operands_q";
+        shows: "read = advances & has_operands_q" => "read = has_operands_q";
         shows: "has_sums_q <= has_operands_q" => "has_sums_q <= has_operands_q | has_sums_q";
         order: "context_q    <= operands_context_q" => "context_q    <= context_i";
     }
@@ -192,7 +192,7 @@ claims! {
     }
     "raypath_unit_distance" in Quantised: include_str!("properties/distance.sv"),
         None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {
-        reads: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
+        order: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
         order: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
         stays: "is_complete_q <= folds | (is_complete_q & ~taken_i)" => "is_complete_q <= folds";
         real_triangle: "read  = divider_valid & moves" => "read  = divider_valid";
