@@ -6,7 +6,7 @@ use crate::common::rays::{Kind, rays};
 use raypath_render::{Mesh, Scene};
 use raypath_rtl::Config;
 use raypath_tools::{Options, Sources, ToolError, Verilated};
-use raypath_traversal::traffic::{Behaviour, Environment, Recorder};
+use raypath_traversal::traffic::{Behaviour, Environment, RecordedEngine};
 use raypath_traversal::{
     NetlistEngine, RayRequest, Unit, UnitModel, UnitNetlist, UnitOutputs, UnitParameters, outputs_of,
 };
@@ -82,7 +82,7 @@ impl Subject {
 
     fn environment(&self, parameters: UnitParameters) -> Environment<'_> {
         let behaviour = Behaviour { latency: (1, 40), stalls: [0, 20, 20, 20], errors: 0 };
-        Environment::new(&self.scene, parameters.memory_width, self.rays.clone(), behaviour, 3)
+        Environment::new(&self.scene, parameters, self.rays.clone(), behaviour, 3)
     }
 
     /// Compares all replies with those of the functional model.
@@ -102,7 +102,7 @@ fn in_verilator(
     verilated: &Verilated,
     environment: &mut Environment<'_>,
 ) -> Result<usize, ToolError> {
-    let model = Recorder::new(UnitModel::of(unit), &unit.top);
+    let model = RecordedEngine::new(UnitModel::of(unit), &unit.top);
     let netlist = NetlistEngine::new(unit).expect("a simulation");
     let (sender, outputs) = mpsc::channel();
     let mut cycles = 0;
@@ -117,7 +117,7 @@ fn in_verilator(
 /// The inputs of each cycle, until all rays have ended.
 struct Frames<'e, 's> {
     environment: &'e mut Environment<'s>,
-    model: Recorder<UnitModel>,
+    model: RecordedEngine<UnitModel>,
     netlist: NetlistEngine,
     sender: mpsc::Sender<Option<UnitOutputs>>,
 }

@@ -117,6 +117,19 @@ impl Verilated {
         self.run_from(&[initial_state(seed)], frames, on_outputs)
     }
 
+    /// As [`run_randomly`](Self::run_randomly), but no reset ends before the first cycle: the frames have it.
+    ///
+    /// # Errors
+    /// As for [`Self::run`].
+    pub fn run_from_power_up(
+        &self,
+        seed: u32,
+        frames: impl IntoIterator<Item = Vec<u64>, IntoIter: Send>,
+        on_outputs: impl FnMut(usize, &[u64]),
+    ) -> Result<(), ToolError> {
+        self.run_from(&[format!("-{}", initial_state(seed))], frames, on_outputs)
+    }
+
     /// As [`run`](Self::run), with the coverage of the run: bits of a random initial state would count as toggles. The
     /// program must have been built with [`Options::coverage`].
     ///

@@ -7,7 +7,8 @@ use raypath_hdl::Module;
 /// The program reads a frame of inputs from standard input for each cycle, and writes a frame of outputs. Words have 64
 /// bits in the machine's byte order, which is little-endian where Verilator runs.
 ///
-/// The first argument is the seed of random values in registers and memories, or 0 for zeros.
+/// The first argument is the seed of random values in registers and memories, or 0 for zeros. If it is negative, no reset
+/// ends before the first frame.
 ///
 /// In a program that counts coverage, the second argument is the file to write it to. In another it is a number: the
 /// program first reads all frames, runs them that many times and writes the seconds that each run took, a line each.
@@ -38,7 +39,7 @@ pub fn main_file(top: &Module) -> String {
     let rise = if top.is_clocked() { "    top.clk_i = 1;\n    top.eval();\n" } else { "" };
     // A reset ends before the first frame, as in the simulator of the netlist.
     let reset = if top.has_reset() {
-        "  for (int level : {1, 0, 1}) {\n    top.rst_ni = level;\n    top.eval();\n  }\n"
+        "  for (int level : {1, 0, 1}) {\n    if (seed < 0) break;\n    top.rst_ni = level;\n    top.eval();\n  }\n"
     } else {
         ""
     };

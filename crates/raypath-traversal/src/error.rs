@@ -9,15 +9,16 @@ pub enum UnitError {
     /// A parameter out of its range.
     #[error(transparent)]
     Parameters(#[from] UnitParametersError),
-    /// A configuration of the datapath that the unit does not have.
-    #[error("the unit has no datapath with {parameter} {value}, expected {expected}")]
+    /// A parameter of the datapath that the unit has at its default alone
+    /// ([`fixed_parameters`](crate::fixed_parameters)).
+    #[error("the unit has no datapath with {parameter} {value}, expected {parameter} {expected}")]
     Datapath {
         /// The parameter of the datapath.
         parameter: &'static str,
         /// Its value.
         value: String,
-        /// The values that the unit has.
-        expected: &'static str,
+        /// The value that the unit has.
+        expected: String,
     },
     /// The datapath cannot be elaborated.
     #[error(transparent)]

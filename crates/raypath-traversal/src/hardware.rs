@@ -2,6 +2,7 @@
 
 mod axi;
 mod blocks;
+mod channels;
 mod connect;
 mod contexts;
 mod decoder;
@@ -11,6 +12,7 @@ mod entries;
 mod files;
 mod hits;
 mod issue;
+mod jobs;
 mod names;
 mod parameters;
 mod properties;
@@ -26,5 +28,4 @@ mod weights;
 pub(crate) use decoder::LATENCY as DECODER_LATENCY;
 pub use names::UnitParameter;
 pub use parameters::{UnitParameters, UnitParametersError};
-pub use step::{finish_module, prepare_module};
-pub use top::UnitNetlist;
+pub use top::{UnitNetlist, fixed_parameters};

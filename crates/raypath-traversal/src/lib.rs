@@ -28,7 +28,7 @@ pub use cycle::{UnitCounts, UnitModel};
 pub use engine::{BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, outputs_of, words_of};
 pub use error::UnitError;
 pub use fold::{HitLimits, fold};
-pub use hardware::{UnitNetlist, UnitParameter, UnitParameters, UnitParametersError, finish_module, prepare_module};
+pub use hardware::{UnitNetlist, UnitParameter, UnitParameters, UnitParametersError, fixed_parameters};
 pub use instance::{INSTANCE_KIND, Instance, Row, Transform, TransformInput, TransformOutput};
 pub use model::{Hit, Memory, MemoryError, RayRequest, Reply, Unit};
 pub use netlist::{Netlist, Value};

@@ -1,20 +1,19 @@
 //! Traffic at the ports of a unit: scenes, rays, a memory that answers in any order, and users that stall.
 
-mod recorder;
+mod recorded;
 mod scatter;
 mod scene;
 mod two_level;
 
-pub use recorder::{RecordedCycle, Recorder};
+pub use recorded::{RecordedCycle, RecordedEngine};
 pub use scatter::invalid_child;
 pub use scene::{BlockScene, never, random_ray};
 pub use two_level::TwoLevelScene;
 
-use crate::blocks::NodeKind;
-use crate::{BlockRequest, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitOutputs};
+use crate::{BlockRequest, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitOutputs, UnitParameters};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// How a memory and the users of the other channels behave.
@@ -35,12 +34,13 @@ pub struct ProtocolError(pub String);
 
 /// A memory that answers in any order, and users of the other channels that stall at random. A block without an
 /// address in the scene is an error of the memory.
+///
+/// The id of a ray is its number, cut to the unit's width of ids. A ray waits while another with its id is inside.
 pub struct Environment<'s> {
     scene: &'s [u8],
-    nodes: NodeKind,
+    parameters: UnitParameters,
     /// The bits of an address that the memory reads.
     address_mask: u32,
-    beat_bytes: usize,
     behaviour: Behaviour,
     /// The cycles of the longest stall, and the cycle up to which each channel stalls.
     longest_stall: u64,
@@ -50,14 +50,14 @@ pub struct Environment<'s> {
     pending: Vec<Pending>,
     rays: Vec<RayRequest>,
     next: usize,
-    /// The cycle in which each ray was accepted.
-    entered: Vec<Option<u64>>,
+    /// The rays inside, by their ids: the number of each, and the cycle in which it was accepted.
+    inside: BTreeMap<u64, (u64, u64)>,
     /// The offer stays until it is accepted.
     offers: bool,
     /// The hit and the request that wait.
     held: (Option<(u64, Reply)>, Option<BlockRequest>),
-    /// The rays that were inside at a reset.
-    lost: BTreeSet<u64>,
+    /// How many rays were inside at resets.
+    lost: usize,
     latencies: BTreeMap<u64, u64>,
     failed: u64,
     moved: u64,
@@ -75,26 +75,32 @@ struct Pending {
 }
 
 impl<'s> Environment<'s> {
-    /// A memory with this scene of wide nodes, and rays, whose numbers are their places.
-    pub fn new(scene: &'s [u8], memory_width: u32, rays: Vec<RayRequest>, behaviour: Behaviour, seed: u64) -> Self {
+    /// The environment of a unit with these parameters: a memory with a scene, and rays, whose numbers are their
+    /// places.
+    pub fn new(
+        scene: &'s [u8],
+        parameters: UnitParameters,
+        rays: Vec<RayRequest>,
+        behaviour: Behaviour,
+        seed: u64,
+    ) -> Self {
         Self {
             scene,
-            nodes: NodeKind::Wide4,
+            parameters,
             address_mask: u32::MAX,
-            beat_bytes: memory_width as usize / 8,
             behaviour,
             longest_stall: 1,
             stalled: [0; 4],
             random: ChaCha8Rng::seed_from_u64(seed),
             now: 0,
             pending: Vec::new(),
-            entered: vec![None; rays.len()],
+            inside: BTreeMap::new(),
             rays,
             next: 0,
             offers: false,
             held: (None, None),
             replies: BTreeMap::new(),
-            lost: BTreeSet::new(),
+            lost: 0,
             latencies: BTreeMap::new(),
             failed: 0,
             moved: 0,
@@ -106,11 +112,6 @@ impl<'s> Environment<'s> {
         Self { longest_stall: cycles.max(1), ..self }
     }
 
-    /// The same with a scene of these nodes.
-    pub fn of_nodes(self, nodes: NodeKind) -> Self {
-        Self { nodes, ..self }
-    }
-
     /// The same with a memory that reads these bits of an address alone.
     pub fn ignoring_upper_bits(self, address_mask: u32) -> Self {
         Self { address_mask, ..self }
@@ -118,7 +119,7 @@ impl<'s> Environment<'s> {
 
     /// Whether all rays have ended, or were lost in a reset.
     pub fn is_done(&self) -> bool {
-        self.replies.len() + self.lost.len() == self.rays.len()
+        self.replies.len() + self.lost == self.rays.len()
     }
 
     /// The cycles so far.
@@ -145,8 +146,8 @@ impl<'s> Environment<'s> {
     pub fn reset(&mut self, engines: &mut [&mut dyn UnitEngine]) {
         engines.iter_mut().for_each(|engine| engine.reset());
         self.pending.clear();
-        let replies = &self.replies;
-        self.lost.extend((0..self.next as u64).filter(|id| !replies.contains_key(id)));
+        self.lost += self.inside.len();
+        self.inside.clear();
         self.held = (None, None);
         self.offers = false;
         self.now += 1;
@@ -179,16 +180,17 @@ impl<'s> Environment<'s> {
             return Err(wrong(format!("cycle {now}: a beat is not taken")));
         }
         let stalls = self.stalled.map(|until| now < until);
-        self.offers |= !stalls[0] && self.next < self.rays.len();
+        let id = self.next as u64 & u64::MAX >> (64 - self.parameters.id_width);
+        self.offers |= !stalls[0] && self.next < self.rays.len() && !self.inside.contains_key(&id);
         let ray = self.offers.then(|| (self.next as u64, self.rays[self.next]));
         let (hit_ready, request_ready) = (!stalls[1], !stalls[2]);
         let due: Vec<usize> = (0..self.pending.len()).filter(|&k| self.pending[k].due <= now).collect();
         let chosen = (!stalls[3] && !due.is_empty()).then(|| due[self.random.random_range(0..due.len())]);
         let is_error = self.random.random_range(0..65_536) < self.behaviour.errors;
-        let mut beat = Vec::new();
+        let (mut beat, beat_bytes) = (Vec::new(), self.parameters.memory_width as usize / 8);
         let response = chosen.map(|k| {
             let Pending { tag, block, is_missing, beat: number, .. } = &self.pending[k];
-            beat.extend(&block[number * self.beat_bytes..][..self.beat_bytes]);
+            beat.extend(&block[number * beat_bytes..][..beat_bytes]);
             Response { tag: *tag, is_error: is_error || *is_missing, beat: &beat }
         });
         let inputs = UnitInputs { ray, hit_ready, request_ready, response };
@@ -198,13 +200,13 @@ impl<'s> Environment<'s> {
             self.moved = now;
             self.pending[k].beat += 1;
             self.pending[k].is_failed |= is_error || self.pending[k].is_missing;
-            if self.pending[k].beat * self.beat_bytes == self.pending[k].block.len() {
+            if self.pending[k].beat * beat_bytes == self.pending[k].block.len() {
                 self.failed += u64::from(self.pending.swap_remove(k).is_failed);
             }
         }
         if outputs.ray_ready && ray.is_some() {
             self.moved = now;
-            self.entered[self.next] = Some(now);
+            self.inside.insert(id, (self.next as u64, now));
             self.next += 1;
             self.offers = false;
         }
@@ -218,18 +220,16 @@ impl<'s> Environment<'s> {
     fn take(&mut self, outputs: UnitOutputs, hit_ready: bool, request_ready: bool) -> Result<(), ProtocolError> {
         let now = self.now;
         if let (Some((id, reply)), true) = (outputs.hit, hit_ready) {
-            let entered = self.entered.get(id as usize).copied().flatten();
-            let Some(entered) = entered.filter(|_| !self.lost.contains(&id)) else {
-                return Err(wrong(format!("cycle {now}: ray {id} ends and is not inside")));
+            let Some((number, entered)) = self.inside.remove(&id) else {
+                return Err(wrong(format!("cycle {now}: a ray with the id {id} ends and is not inside")));
             };
             self.moved = now;
-            self.latencies.insert(id, now - entered);
-            if self.replies.insert(id, reply).is_some() {
-                return Err(wrong(format!("cycle {now}: ray {id} ends twice")));
-            }
+            self.latencies.insert(number, now - entered);
+            self.replies.insert(number, reply);
         }
         if let (Some(BlockRequest { address, tag }), true) = (outputs.request, request_ready) {
-            if !address.is_multiple_of(self.nodes.block_bytes()) {
+            let bytes = self.parameters.step.node.block_bytes();
+            if !address.is_multiple_of(bytes) {
                 return Err(wrong(format!("cycle {now}: the address {address:#x} is not aligned")));
             }
             if self.pending.iter().any(|pending| pending.tag == tag) {
@@ -237,7 +237,6 @@ impl<'s> Environment<'s> {
             }
             self.moved = now;
             let (least, greatest) = self.behaviour.latency;
-            let bytes = self.nodes.block_bytes();
             let found = self.scene.block(address & self.address_mask, bytes);
             self.pending.push(Pending {
                 due: now + self.random.random_range(least..=greatest),

@@ -55,7 +55,7 @@ fn every_ray_ends_within_the_bound() {
         let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
         let behaviour = Behaviour { latency: (1, latency), stalls: [0; 4], errors: 0 };
         let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
-        let mut environment = Environment::new(&scene.0, memory_width, rays, behaviour, 5);
+        let mut environment = Environment::new(&scene.0, parameters, rays, behaviour, 5);
         while !environment.is_done() {
             environment.cycle(&mut [&mut netlist]).expect("the protocol");
             assert!(environment.cycles() < 2_000_000, "{} rays ended", environment.replies.len());

@@ -7,6 +7,5 @@ mod instances;
 mod quantised;
 mod scenes;
 mod state;
-mod step_module;
 mod system;
 mod unit;

@@ -5,13 +5,12 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Rules};
-use raypath_rtl::{Config, Control};
-use raypath_tools::{Options, Sources, Verilated};
+use raypath_rtl::Config;
 use raypath_traversal::blocks::{Node, NodeKind};
-use raypath_traversal::traffic::{Behaviour, BlockScene as Scene, Environment, Recorder, random_ray as ray};
+use raypath_traversal::traffic::{Behaviour, BlockScene as Scene, Environment, random_ray as ray};
 use raypath_traversal::{
     BlockRequest, NetlistEngine, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitFeatures,
-    UnitInputs, UnitModel, UnitNetlist, UnitParameters, outputs_of,
+    UnitInputs, UnitModel, UnitNetlist, UnitParameters,
 };
 
 const NODE: NodeKind = NodeKind::Quantised;
@@ -110,13 +109,6 @@ fn step(stack: u32) -> StepParameters {
     StepParameters { stack, node: NODE, features: UnitFeatures { barycentrics: stack == 4, ..UnitFeatures::OFF } }
 }
 
-fn setting(triangles: u32, rays: usize, seed: u64) -> (Scene, Vec<RayRequest>) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let (scene, root) = Scene::random_of(NODE, triangles, &mut random);
-    let rays = (0..rays).map(|_| ray(root, &mut random)).collect();
-    (scene, rays)
-}
-
 fn expected(scene: &Scene, rays: &[RayRequest], step: StepParameters) -> Vec<Reply> {
     let mut model = Unit::new(Rules::Paper, step);
     rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect()
@@ -150,38 +142,6 @@ fn hits_are_those_of_wide_nodes() {
         }
     }
     assert!(hits > 2000 && more > 100, "{hits} hits, {more} rays that read more");
-}
-
-/// The netlist, the cycle-exact model and the functional model.
-#[test]
-fn the_model_equals_the_netlist_in_every_cycle() {
-    let (scene, rays) = setting(100, 60, 4);
-    let slow = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
-    let blocked = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
-    let parameters = [
-        UnitParameters { contexts: 8, memory_width: 128, divider_latency: 1, step: step(2), ..Default::default() },
-        UnitParameters { contexts: 12, memory_width: 256, id_width: 64, step: step(4), ..Default::default() },
-        UnitParameters { contexts: 64, divider_latency: 27, step: step(8), ..Default::default() },
-    ];
-    for (number, parameters) in (0..).zip(parameters) {
-        let control = [Control::Skid, Control::Credit][number as usize % 2];
-        let unit = UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit");
-        for (seed, behaviour) in (5..).zip([QUIET, slow, blocked]) {
-            let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
-            let mut model = UnitModel::of(&unit);
-            let width = parameters.memory_width;
-            let environment = Environment::new(&scene.0, width, rays.clone(), behaviour, seed + number);
-            let mut environment = environment.of_nodes(NODE);
-            while !environment.is_done() {
-                environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
-                assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
-            }
-            if behaviour.errors == 0 {
-                let replies: Vec<Reply> = environment.replies.values().copied().collect();
-                assert_eq!(replies, expected(&scene, &rays, parameters.step));
-            }
-        }
-    }
 }
 
 /// Nodes of random bytes: exponents of 0 and 255, bases that are infinite or NaN, missing children anywhere.
@@ -220,8 +180,7 @@ fn nodes_of_any_bytes_are_decoded_alike() {
     let parameters = UnitParameters { contexts: 16, step: step(4), ..Default::default() };
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let (mut netlist, mut model) = (NetlistEngine::new(&unit).expect("a simulation"), UnitModel::of(&unit));
-    let environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), QUIET, 3);
-    let mut environment = environment.of_nodes(NODE);
+    let mut environment = Environment::new(&scene.0, parameters, rays.clone(), QUIET, 3);
     while !environment.is_done() {
         environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
         assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
@@ -261,44 +220,6 @@ fn a_fetch_takes_as_many_cycles_as_documented() {
     // The block arrives in the cycle after its request.
     let gaps: Vec<i32> = events.windows(2).map(|pair| pair[1] - pair[0] - 1).collect();
     assert_eq!((events[0], &gaps[..]), (23, &[23, 35, 36][..]));
-}
-
-/// The frames that drove the model, with two resets while rays are inside, drive Verilator, and the linters have
-/// nothing to say.
-#[test]
-#[ignore = "long: another build by Verilator"]
-fn verilator_equals_the_model_in_every_cycle() {
-    let (scene, rays) = setting(200, 60, 3);
-    let parameters = UnitParameters { contexts: 8, memory_width: 256, step: step(8), ..Default::default() };
-    let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
-    let folder = tempfile::tempdir().expect("a folder");
-    Sources::write(&unit.axi().expect("a wrapper"), folder.path()).expect("sources").lint().expect("no report");
-    let mut sources = Sources::write(&unit.top, folder.path()).expect("sources");
-    sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
-    let options = Options::default();
-    let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
-    let mut recorded = Recorder::new(UnitModel::of(&unit), &unit.top);
-    let environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
-    let mut environment = environment.of_nodes(NODE);
-    while !environment.is_done() {
-        if [300, 900].contains(&recorded.cycles.len()) {
-            environment.reset(&mut [&mut recorded]);
-        }
-        environment.cycle(&mut [&mut recorded]).expect("the protocol");
-    }
-    let cycles = recorded.cycles.into_iter().map(|cycle| (cycle.frame, cycle.outputs));
-    let (frames, outputs): (Vec<_>, Vec<_>) = cycles.unzip();
-    let mut seen = 0;
-    verilated
-        .run_randomly(1, frames, |cycle, found| {
-            // In a reset no output is expected.
-            if let Some(expected) = &outputs[cycle] {
-                assert_eq!(outputs_of(found), *expected, "cycle {cycle}");
-            }
-            seen += 1;
-        })
-        .expect("a run");
-    assert_eq!(seen, outputs.len());
 }
 
 #[test]

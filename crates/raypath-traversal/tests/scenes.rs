@@ -108,7 +108,14 @@ fn faces_and_ends_of_the_ray() {
     assert_eq!(trace(&|ray| ray.t_max = 4.0), (status::HIT, Some((1, true))));
     assert_eq!(trace(&|ray| ray.t_max = 3.9), (status::MISS, None));
     assert_eq!(trace(&|ray| ray.direction = [0.0; 3]), (status::REFUSED, None));
-    assert_eq!(trace(&|ray| ray.t_min = f32::NAN), (status::REFUSED, None));
+    for (limit, refused) in [(f32::NAN, true), (-1.0, true), (-f32::MIN_POSITIVE, true), (-0.0, false)] {
+        let of_max = if refused { (status::REFUSED, None) } else { (status::MISS, None) };
+        let of_min = if refused { (status::REFUSED, None) } else { (status::HIT, Some((1, true))) };
+        assert_eq!(trace(&|ray| ray.t_max = limit), of_max, "t_max {limit}");
+        assert_eq!(trace(&|ray| ray.t_min = limit), of_min, "t_min {limit}");
+    }
+    assert_eq!(trace(&|ray| ray.t_min = f32::INFINITY), (status::MISS, None));
+    assert_eq!(trace(&|ray| (ray.t_min, ray.t_max) = (7.0, 6.5)), (status::MISS, None), "no distance is in the range");
 }
 
 /// The weights are those from which the point of the hit was made.

@@ -16,12 +16,6 @@ use raypath_traversal::{
 use raypath_verify::Error;
 use serde::{Deserialize, Serialize};
 
-/// A unit of the campaign.
-pub struct Subject {
-    /// The netlist.
-    pub unit: UnitNetlist,
-}
-
 /// What episodes had in common, and what they found.
 #[derive(Debug, Default, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
@@ -59,35 +53,32 @@ const DEEP_RAYS: usize = 8;
 /// Barycentric coordinates alone.
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, instances: false };
 
-/// The units of the campaign: contexts, stack, nodes, width of the memory, latency of division, control, optional
-/// parts.
-const SUBJECTS: [(u32, u32, NodeKind, u32, u32, Control, UnitFeatures); 8] = [
-    (8, 2, NodeKind::Wide4, 256, 2, Control::Skid, UnitFeatures::OFF),
-    (16, 4, NodeKind::Wide4, 512, 9, Control::Credit, UnitFeatures::OFF),
-    (11, 8, NodeKind::Wide4, 128, 1, Control::Credit, WEIGHTS),
-    (64, 16, NodeKind::Wide4, 1024, 5, Control::Skid, UnitFeatures::OFF),
-    (32, 32, NodeKind::Wide4, 512, 27, Control::Skid, WEIGHTS),
-    (9, 2, NodeKind::Wide4, 128, 9, Control::Credit, UnitFeatures::OFF),
-    (40, 2, NodeKind::Quantised, 512, 2, Control::Skid, WEIGHTS),
-    (12, 2, NodeKind::Wide4, 512, 3, Control::Skid, UnitFeatures { barycentrics: true, instances: true }),
+/// The units of the campaign: contexts, stack, nodes, width of the memory and of ids, latency of division, control,
+/// optional parts.
+const UNITS: [(u32, u32, NodeKind, u32, u32, u32, Control, UnitFeatures); 8] = [
+    (8, 2, NodeKind::Wide4, 256, 16, 2, Control::Skid, UnitFeatures::OFF),
+    (16, 4, NodeKind::Wide4, 512, 64, 9, Control::Credit, UnitFeatures::OFF),
+    (11, 8, NodeKind::Wide4, 128, 4, 1, Control::Credit, WEIGHTS),
+    (64, 16, NodeKind::Wide4, 1024, 7, 5, Control::Skid, UnitFeatures::OFF),
+    (32, 32, NodeKind::Wide4, 512, 16, 27, Control::Skid, WEIGHTS),
+    (9, 2, NodeKind::Wide4, 128, 4, 9, Control::Credit, UnitFeatures::OFF),
+    (40, 2, NodeKind::Quantised, 512, 16, 2, Control::Skid, WEIGHTS),
+    (12, 2, NodeKind::Wide4, 512, 5, 3, Control::Skid, UnitFeatures { barycentrics: true, instances: true }),
 ];
 
-impl Subject {
-    /// The units of the campaign.
-    ///
-    /// # Errors
-    /// A unit cannot be built.
-    pub fn all() -> Result<Vec<Self>, Error> {
-        let subject = |(config, parameters)| Ok(Self { unit: built(config, parameters)? });
-        settings().map(subject).collect()
-    }
+/// The units of the campaign.
+///
+/// # Errors
+/// A unit cannot be built.
+pub fn units() -> Result<Vec<UnitNetlist>, Error> {
+    settings().map(|(config, parameters)| built(config, parameters)).collect()
 }
 
 /// The configurations of the campaign's datapaths, and the parameters of the units around them.
 pub fn settings() -> impl Iterator<Item = (Config, UnitParameters)> {
-    SUBJECTS.into_iter().map(|(contexts, stack, node, memory_width, divider_latency, control, features)| {
+    UNITS.into_iter().map(|(contexts, stack, node, memory_width, id_width, divider_latency, control, features)| {
         let step = StepParameters { stack, node, features };
-        let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width: 16 };
+        let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width };
         (Config::DEFAULT.control(control), parameters)
     })
 }
@@ -148,9 +139,8 @@ impl Episode {
 
     /// The memory with the scene, and the users of the other channels.
     pub fn environment(&self, parameters: UnitParameters, seed: u64) -> Environment<'_> {
-        Environment::new(&self.scene.0, parameters.memory_width, self.rays.clone(), self.behaviour, seed)
+        Environment::new(&self.scene.0, parameters, self.rays.clone(), self.behaviour, seed)
             .with_longest_stall(self.longest_stall)
-            .of_nodes(parameters.step.node)
     }
 
     /// Drives engines in lockstep until all rays have ended or were lost in a reset, in at most so many cycles. Returns
@@ -181,7 +171,8 @@ impl Episode {
     }
 }
 
-/// Runs the episode of a seed and a number on a unit, in at most so many cycles, if given.
+/// Runs the episode of a seed and a number on a unit; if `is_tight`, in at most four times the cycles that the
+/// cycle-exact model takes.
 ///
 /// # Errors
 /// What the unit did wrong.
@@ -189,19 +180,27 @@ pub fn run(
     netlist: &mut NetlistEngine,
     unit: &UnitNetlist,
     [seed, number]: [u64; 2],
-    most: Option<u64>,
+    is_tight: bool,
 ) -> Result<Counts, String> {
     let (mut cycle_exact, parameters) = (UnitModel::of(unit), unit.parameters);
     let (episode, mut random) = Episode::of(parameters.step, seed, number);
     netlist.restart_randomly(random.random());
-    let mut environment = episode.environment(parameters, random.random());
+    let (seed, of_resets) = (random.random(), random.random());
+    let resets = || ChaCha8Rng::seed_from_u64(of_resets);
+    let mut environment = episode.environment(parameters, seed);
     let Episode { scene, rays, behaviour, longest_stall, is_odd, .. } = &episode;
     let (behaviour, longest_stall) = (*behaviour, *longest_stall);
     let mut counts = Counts { episodes: 1, ..Counts::default() };
     let mut model = Unit::new(Rules::Paper, parameters.step);
     let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
-    let limit = most.unwrap_or_else(|| limit(&expected, behaviour, longest_stall));
-    counts.resets = episode.drive(&mut environment, &mut [netlist, &mut cycle_exact], limit, &mut random)?;
+    let limit = if is_tight {
+        let mut alone = episode.environment(parameters, seed);
+        episode.drive(&mut alone, &mut [&mut UnitModel::of(unit)], u64::MAX, &mut resets())?;
+        4 * alone.cycles()
+    } else {
+        limit(&expected, behaviour, longest_stall)
+    };
+    counts.resets = episode.drive(&mut environment, &mut [netlist, &mut cycle_exact], limit, &mut resets())?;
     // Rays that end in an error in any memory: a block with an error may have ended them instead.
     let mut always = 0;
     for (&id, reply) in &environment.replies {

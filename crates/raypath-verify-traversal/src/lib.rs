@@ -12,21 +12,24 @@ pub mod mutants;
 pub mod proofs;
 mod setting;
 
-use campaign::{Counts, Subject};
-use mutants::{Fate, Mutant};
-use proofs::{Checked, Obligation};
+use campaign::Counts;
+use mutants::{Fate, Mutant, MutatedModule};
+use proofs::Obligation;
 use raypath_hdl::verilog;
 use raypath_rtl::Config;
-use raypath_tools::pool;
+use raypath_tools::pool::{self, Cases};
 use raypath_traversal::{NetlistEngine, UnitError, UnitNetlist, UnitParameters};
+use raypath_verify::safety::{CheckResult, ModelChecker};
 use raypath_verify::{Error, Item, Request, Verdict};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::sync::atomic::AtomicBool;
 
 /// The claims about the traversal unit.
 pub const ITEMS: &[Item] = &[Item {
     name: "unit",
-    claim: "the traversal unit loses, repeats and mixes up no ray, and its netlist returns what the functional \
-            model does, for any memory, any users of the channels and resets",
+    claim: "no module of the traversal unit's control loses, repeats or mixes up a ray, in units of 8, 11, 64 (the \
+            default) and 256 contexts; the netlist returns what the functional model does in random episodes",
     oracle: "proofs by Yosys and ABC of the emitted SystemVerilog of each module, with properties of queues; the \
             functional model, which shares the functions of a step with the netlist, but neither units nor control",
     has_configuration: false,
@@ -54,91 +57,94 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     Ok(verdict)
 }
 
-/// Checks the obligations, and says how many are proved and refuted.
-fn prove(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
-    let (level, shard) = (request.level, request.shard);
-    let results: Vec<Vec<Option<Checked>>> = request.parts.phase(|| {
-        let obligations: Vec<Obligation> = proofs::obligations(level)?;
-        proofs::check(&obligations, shard, request.proceed)
+/// Runs the shard's part of `total` cases on all cores, and returns their results in any order. `worker` prepares what
+/// runs the cases of a thread. Cases that were not reached when the run was stopped are missing.
+fn run_all<T, W>(
+    request: &mut Request<'_>,
+    verdict: &mut Verdict,
+    total: usize,
+    worker: impl Fn() -> Result<W, Error> + Sync,
+) -> Result<Vec<T>, Error>
+where
+    T: Send + Serialize + DeserializeOwned,
+    W: FnMut(usize, &AtomicBool) -> Result<Option<T>, Error>,
+{
+    let cases: Cases = request.cases(total as u64, 1);
+    let shards = request.parts.phase(|| {
+        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
+            let (mut run, mut results) = (worker()?, Vec::new());
+            queue.run(|number, stop| {
+                results.extend(run(number as usize, stop)?);
+                Ok(())
+            });
+            Ok(results)
+        })?;
+        Ok::<Vec<T>, Error>(finished.workers.into_iter().flatten().collect())
     })?;
-    let (mut proved, mut refuted) = (0, 0);
-    for result in results.into_iter().flatten() {
-        match result {
-            None => verdict.is_stopped = true,
-            Some((_, Some(failure))) => verdict.failures.push(failure),
-            Some((true, None)) => proved += 1,
-            Some((false, None)) => refuted += 1,
-        }
-    }
-    Ok(format!("the control of {proved} modules proved, {refuted} faults and negations refuted"))
+    let results: Vec<T> = shards.into_iter().flatten().collect();
+    verdict.is_stopped |= (results.len() as u64) < cases.share();
+    Ok(results)
 }
 
-/// The episodes of a worker.
-#[derive(Default, Serialize, Deserialize)]
-struct Episodes {
-    counts: Counts,
-    failures: Vec<String>,
+/// Checks the obligations, and says how many are proved and refuted.
+fn prove(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
+    let obligations: Vec<Obligation> = proofs::obligations(request.level)?;
+    let checker = ModelChecker::find()?;
+    let results: Vec<(bool, Option<String>)> = run_all(request, verdict, obligations.len(), || {
+        Ok(|number: usize, stop: &AtomicBool| {
+            let Obligation { problem, expected } = &obligations[number];
+            let Some(found) = checker.check(problem, stop)? else { return Ok(None) };
+            let failure = (found != *expected).then(|| format!("{}: {found:?}, expected {expected:?}", problem.name));
+            Ok(Some((*expected == CheckResult::Holds, failure)))
+        })
+    })?;
+    let count =
+        |wanted: bool| results.iter().filter(|(is_proof, failure)| *is_proof == wanted && failure.is_none()).count();
+    let (proved, refuted) = (count(true), count(false));
+    verdict.failures.extend(results.into_iter().filter_map(|(_, failure)| failure));
+    Ok(format!("the control of {proved} modules proved, {refuted} faults and negations refuted"))
 }
 
 /// Runs the episodes of the level on all units of the campaign in turn.
 fn run_campaign(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Counts, Error> {
     let total = request.jobs.unwrap_or(request.level.pick(60, 8_000, 60_000));
-    let (seed, cases) = (request.seed, request.cases(total, 1));
-    let subjects = Subject::all()?;
-    let shards = request.parts.phase(|| {
-        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
-            let mut engines: Vec<NetlistEngine> = Vec::new();
-            for subject in &subjects {
-                engines.push(NetlistEngine::new(&subject.unit)?);
-            }
-            let mut found = Episodes::default();
-            queue.run(|number, _| {
-                let place = number as usize % subjects.len();
-                match campaign::run(&mut engines[place], &subjects[place].unit, [seed, number], None) {
-                    Ok(counts) => found.counts.add(&counts),
-                    Err(problem) => {
-                        let parameters = subjects[place].unit.parameters;
-                        found.failures.push(format!("episode {number} of seed {seed}, {parameters:?}: {problem}"));
-                    }
-                }
-                Ok(())
-            });
-            Ok(found)
-        })?;
-        Ok::<_, Error>(finished.workers)
+    let (seed, units) = (request.seed, campaign::units()?);
+    let results: Vec<Result<Counts, String>> = run_all(request, verdict, total as usize, || {
+        let mut engines = units.iter().map(NetlistEngine::new).collect::<Result<Vec<_>, _>>()?;
+        let units = &units;
+        Ok(move |number: usize, _: &AtomicBool| {
+            let place = number % units.len();
+            let unit = &units[place];
+            let found = campaign::run(&mut engines[place], unit, [seed, number as u64], false);
+            let parameters = unit.parameters;
+            Ok(Some(found.map_err(|problem| format!("episode {number} of seed {seed}, {parameters:?}: {problem}"))))
+        })
     })?;
     let mut counts = Counts::default();
-    for Episodes { counts: own, failures } in shards.into_iter().flatten() {
-        counts.add(&own);
-        verdict.failures.extend(failures);
+    for result in results {
+        match result {
+            Ok(own) => counts.add(&own),
+            Err(failure) => verdict.failures.push(failure),
+        }
     }
-    verdict.is_stopped |= counts.episodes + (verdict.failures.len() as u64) < cases.share();
     Ok(counts)
 }
 
-/// Runs the checks of the modules that get faults, and at further levels of those of the campaign's units.
+/// Runs the checks of the modules that get faults, and of those of the campaign's units.
 fn check_modules(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
-    let mut subjects: Vec<_> = mutants::subjects()?.into_iter().map(mutants::Subject::original).collect();
-    for Subject { unit } in Subject::all()?.into_iter().take(request.level.pick(0, usize::MAX, usize::MAX)) {
+    let mut subjects: Vec<_> = mutants::modules()?.into_iter().map(MutatedModule::original).collect();
+    for unit in campaign::units()? {
         subjects.extend(verilog::modules(&unit.top)?.into_iter().map(|module| (module, unit.parameters)));
     }
     subjects.retain(|(module, _)| modules::has_check(module));
-    let (cases, seed) = (request.cases(subjects.len() as u64, 1), request.seed);
-    let shards = request.parts.phase(|| {
-        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
-            let mut results: Vec<Result<(), String>> = Vec::new();
-            queue.run(|number, _| {
-                let (module, parameters) = &subjects[number as usize];
-                results.push(modules::check(module, *parameters, seed)?);
-                Ok(())
-            });
-            Ok(results)
-        })?;
-        Ok::<_, Error>(finished.workers.concat())
+    let seed = request.seed;
+    let results: Vec<Result<(), String>> = run_all(request, verdict, subjects.len(), || {
+        Ok(|number: usize, _: &AtomicBool| {
+            let (module, parameters) = &subjects[number];
+            Ok(Some(modules::check(module, *parameters, seed)?))
+        })
     })?;
-    let results: Vec<Result<(), String>> = shards.into_iter().flatten().collect();
     let count = results.len();
-    verdict.is_stopped |= (count as u64) < cases.share();
     verdict.failures.extend(results.into_iter().filter_map(Result::err));
     Ok(format!("{count} modules checked by themselves"))
 }
@@ -149,24 +155,17 @@ const LEAST_SCORE: usize = 99;
 /// Puts faults into the unit's modules, and looks for each by the check of its module, episodes and proofs.
 fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
     let count = request.level.pick(16, 400, 4_000);
-    let subjects = mutants::subjects()?;
+    let subjects = mutants::modules()?;
     let mutants: Vec<Mutant<'_>> = mutants::choose(&subjects, count, request.seed);
-    let (cases, seed) = (request.cases(mutants.len() as u64, 1), request.seed);
-    let limits = mutants::limits(seed)?;
-    let shards = request.parts.phase(|| {
-        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
-            let mut fates: Vec<(String, Fate)> = Vec::new();
-            queue.run(|number, stop| {
-                let mutant = &mutants[number as usize];
-                fates.push((mutant.fault.to_string(), mutant.fate(seed, &limits, stop)?));
-                Ok(())
-            });
-            Ok(fates)
-        })?;
-        Ok::<_, Error>(finished.workers.concat())
+    let seed = request.seed;
+    let fates: Vec<(String, Fate)> = run_all(request, verdict, mutants.len(), || {
+        Ok(|number: usize, stop: &AtomicBool| {
+            let mutant = &mutants[number];
+            Ok(Some((mutant.fault.to_string(), mutant.fate(seed, stop)?)))
+        })
     })?;
     let (mut checked, mut killed, mut refuted, mut equivalent, mut survivors) = (0_usize, 0, 0, 0, Vec::new());
-    for (fault, fate) in shards.into_iter().flatten() {
+    for (fault, fate) in fates {
         match fate {
             Fate::Checked => checked += 1,
             Fate::Killed => killed += 1,

@@ -1,16 +1,11 @@
-//! Checks of modules, each by itself: with states that episodes do not reach, or seldom.
+//! Checks of modules with data, each by itself: with states that episodes do not reach, or seldom. The other
+//! modules have none, because their properties say all that they must do.
 
-mod blocks;
-mod contexts;
 mod decoder;
 mod distance;
-mod entries;
 mod hits;
-mod queue;
-mod scheduler;
 mod set_up;
 mod steps;
-mod weights;
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -43,36 +38,14 @@ fn check_of(module: &Module) -> Option<Check> {
     let check: Check = match module.name() {
         "raypath_unit_prepare" => |bench, unit| steps::prepare(bench, unit.step.features),
         "raypath_unit_finish" => |bench, unit| steps::finish(bench, unit.step),
-        "raypath_unit_set_up" => |bench, unit| set_up::run(bench, unit.divider_latency),
-        "raypath_unit_entries" => |bench, unit| entries::run(bench, unit.divider_latency),
+        "raypath_unit_set_up" | "raypath_unit_entries" => |bench, unit| set_up::run(bench, unit.divider_latency),
         "raypath_unit_decoder" => |bench, _| decoder::run(bench),
-        "raypath_unit_weights" => |bench, unit| weights::run(bench, unit.divider_latency),
-        "raypath_unit_distance" => |bench, unit| distance::run(bench, unit.contexts),
+        "raypath_unit_distance" => |bench, _| distance::run(bench),
         "raypath_unit_hits" => |bench, unit| hits::run(bench, unit.contexts, unit.divider_latency),
-        "raypath_unit_blocks" => |bench, unit| blocks::run(bench, unit.contexts, unit.step.node),
-        "raypath_unit_contexts" => |bench, unit| contexts::run(bench, unit.contexts),
-        "raypath_unit_scheduler" => |bench, _| scheduler::run(bench),
-        _ if is_queue(module) => |bench, unit| queue::run(bench, unit.contexts),
         _ => return None,
     };
     Some(check)
 }
-
-/// Whether a module is a queue.
-pub fn is_queue(module: &Module) -> bool {
-    QUEUES.contains(&module.name())
-}
-
-/// The queues of the unit.
-const QUEUES: [&str; 7] = [
-    "raypath_unit_free",
-    "raypath_unit_starts",
-    "raypath_unit_arrivals",
-    "raypath_unit_tested",
-    "raypath_unit_continues",
-    "raypath_unit_requests",
-    "raypath_unit_ended",
-];
 
 /// A simulated module, and random values for it.
 struct Bench {
@@ -186,19 +159,3 @@ const NUMBERS: [f32; 14] = [
     f32::MIN_POSITIVE,
     f32::MAX,
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::super::campaign::Subject;
-    use super::*;
-    use raypath_hdl::verilog;
-
-    #[test]
-    fn modules_do_what_they_must() {
-        for Subject { unit } in Subject::all().expect("units") {
-            for module in verilog::modules(&unit.top).expect("modules") {
-                assert_eq!(check(&module, unit.parameters, 1).expect("a simulation"), Ok(()));
-            }
-        }
-    }
-}

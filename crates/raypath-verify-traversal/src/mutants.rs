@@ -1,5 +1,6 @@
 //! Faults in the modules of the unit, and whether checks of modules and the first episodes of the campaign find them.
 
+use super::claims::is_queue;
 use super::proofs::Obligation;
 use super::setting::{Setting, Variant};
 use super::{campaign, modules};
@@ -21,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A module of the unit, and the faults that it can have.
-pub struct Subject {
+pub struct MutatedModule {
     variant: Variant,
     unit: Arc<UnitNetlist>,
     module: Arc<Module>,
@@ -29,7 +30,7 @@ pub struct Subject {
     pub faults: Vec<Fault>,
 }
 
-impl Subject {
+impl MutatedModule {
     /// The module without a fault, and the parameters of its unit.
     pub fn original(self) -> (Arc<Module>, UnitParameters) {
         (self.module, self.unit.parameters)
@@ -38,7 +39,7 @@ impl Subject {
 
 /// A fault in a module.
 pub struct Mutant<'s> {
-    subject: &'s Subject,
+    subject: &'s MutatedModule,
     /// The fault.
     pub fault: &'s Fault,
 }
@@ -70,42 +71,24 @@ const EPISODES: u64 = 24;
 ///
 /// # Errors
 /// A unit cannot be built.
-pub fn subjects() -> Result<Vec<Subject>, Error> {
+pub fn modules() -> Result<Vec<MutatedModule>, Error> {
     let mut subjects = Vec::new();
     let mut texts: HashSet<String> = HashSet::new();
     for variant in Variant::ALL {
-        let unit = Arc::new(Setting::least(variant, false)?.unit);
+        let unit = Arc::new(Setting::least(variant)?.unit);
         for module in verilog::modules(&unit.top)? {
             let text = verilog::print_module(&module, &[])?;
             let faults = if module.name().starts_with("raypath_unit") { faults(&module) } else { Vec::new() };
             if !faults.is_empty() && texts.insert(text) {
-                subjects.push(Subject { variant, unit: unit.clone(), module, faults });
+                subjects.push(MutatedModule { variant, unit: unit.clone(), module, faults });
             }
         }
     }
     Ok(subjects)
 }
 
-/// The cycles of the first episodes without a fault, four times, for each variant: a unit that takes more has a fault.
-///
-/// # Errors
-/// A netlist cannot be compiled.
-pub fn limits(seed: u64) -> Result<Limits, Error> {
-    let mut limits = Limits::default();
-    for (variant, limits) in Variant::ALL.into_iter().zip(&mut limits) {
-        let unit = Setting::least(variant, false)?.unit;
-        let mut netlist = NetlistEngine::new(&unit)?;
-        let mut cycles = |number| campaign::run(&mut netlist, &unit, [seed, number], None);
-        *limits = (0..EPISODES).map_while(|number| Some(4 * cycles(number).ok()?.cycles)).collect();
-    }
-    Ok(limits)
-}
-
-/// The most cycles of the first episodes, for each variant in the order of [`Variant::ALL`].
-pub type Limits = [Vec<u64>; 3];
-
 /// A random sample of about `count` faults: the same number of each module, as far as it has so many.
-pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> {
+pub fn choose(subjects: &[MutatedModule], count: usize, seed: u64) -> Vec<Mutant<'_>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let share = count.div_ceil(subjects.len().max(1));
     let mut mutants = Vec::new();
@@ -124,9 +107,9 @@ impl Mutant<'_> {
     ///
     /// # Errors
     /// The faulty netlist cannot be built, or a program is missing.
-    pub fn fate(&self, seed: u64, limits: &Limits, stop: &AtomicBool) -> Result<Fate, Error> {
+    pub fn fate(&self, seed: u64, stop: &AtomicBool) -> Result<Fate, Error> {
         let faulty = Arc::new(self.fault.apply(&self.subject.module)?);
-        match self.simulated(&faulty, seed, limits) {
+        match self.simulated(&faulty, seed) {
             // No simulator accepts a combinational loop.
             Err(Error::Netlist(Loop(_))) => Ok(Fate::Checked),
             Err(other) => Err(other),
@@ -136,14 +119,14 @@ impl Mutant<'_> {
     }
 
     /// What simulation finds.
-    fn simulated(&self, faulty: &Arc<Module>, seed: u64, limits: &Limits) -> Result<Option<Fate>, Error> {
+    fn simulated(&self, faulty: &Arc<Module>, seed: u64) -> Result<Option<Fate>, Error> {
         let unit = &self.subject.unit;
         if modules::check(faulty, unit.parameters, seed)?.is_err() {
             return Ok(Some(Fate::Checked));
         }
         let mut netlist = NetlistEngine::of_module(&replace(&unit.top, faulty)?)?;
-        for (number, &limit) in (0..).zip(&limits[self.subject.variant as usize]) {
-            if campaign::run(&mut netlist, unit, [seed, number], Some(limit)).is_err() {
+        for number in 0..EPISODES {
+            if campaign::run(&mut netlist, unit, [seed, number], true).is_err() {
                 return Ok(Some(Fate::Killed));
             }
         }
@@ -155,7 +138,7 @@ impl Mutant<'_> {
         let module = &self.subject.module;
         let mut found = Prover::find()?.equivalent(&[(module, faulty)], LIMIT, stop);
         if !matches!(found.as_deref(), Ok([Equivalence::Proved]))
-            && let Some([refutation, proof]) = Setting::least(self.subject.variant, false)?.faulty(faulty)?
+            && let Some([refutation, proof]) = Setting::least(self.subject.variant)?.faulty(faulty)?
         {
             let checker = ModelChecker::find()?;
             // An error is that of an assertion without state, to which synthesis may reduce a faulty module.
@@ -163,7 +146,7 @@ impl Mutant<'_> {
             if check(&refutation) == Some(CheckResult::Fails) {
                 return Ok(Fate::Refuted);
             }
-            if modules::is_queue(module) && check(&proof) == Some(CheckResult::Holds) {
+            if is_queue(module) && check(&proof) == Some(CheckResult::Holds) {
                 return Ok(Fate::Harmless);
             }
         }

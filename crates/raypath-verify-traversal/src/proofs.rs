@@ -1,18 +1,15 @@
 //! Proofs of the control of the unit's modules.
 
 use super::bindings;
-use super::claims::{CLAIMS, Claim, LEMMAS};
+use super::claims::{CLAIMS, Claim, queues};
 use super::setting::LEAST;
 pub use super::setting::{Setting, Variant};
-use crate::built;
-use raypath_hdl::mutate::replace;
-use raypath_hdl::{Module, expand_memories};
-use raypath_rtl::Config;
-use raypath_tools::{ToolError, pool};
+use raypath_hdl::Module;
+use raypath_hdl::verilog::RAM;
+use raypath_tools::ToolError;
 use raypath_traversal::UnitParameters;
-use raypath_verify::safety::{CheckResult, Method, ModelChecker, ModuleTexts, RESET, SafetyProblem, TextFault};
-use raypath_verify::{Error, Level, Progress, Shard};
-use std::fmt::Write as _;
+use raypath_verify::safety::{CheckResult, Method, ModuleTexts, RESET, SafetyProblem, TextFault};
+use raypath_verify::{Error, Level};
 use std::sync::Arc;
 
 /// A problem, and the result that it must have.
@@ -27,16 +24,30 @@ pub struct Obligation {
 const CYCLES: u32 = 24;
 /// The cycles in which any fault may be refuted: more take minutes if it cannot be.
 const FEW_CYCLES: u32 = 11;
-/// The most contexts of a unit for which these modules are proved: more take many minutes.
-const LIMITED: [(&str, u32); 3] =
-    [("raypath_unit_contexts", 16), ("raypath_unit_distance", 16), ("raypath_unit_rays", 16)];
 
-/// Further units.
-const MORE: [UnitParameters; 3] = [
-    UnitParameters { contexts: 11, memory_width: 128, divider_latency: 3, ..LEAST },
-    UnitParameters { contexts: 16, divider_latency: 9, ..LEAST },
-    UnitParameters { contexts: 64, memory_width: 512, divider_latency: 9, ..LEAST },
-];
+/// Further units: the default, with its 64 contexts, and the greatest number of contexts.
+fn more() -> [UnitParameters; 3] {
+    let default = UnitParameters::default();
+    [
+        UnitParameters { contexts: 11, memory_width: 128, divider_latency: 3, ..LEAST },
+        default,
+        UnitParameters { contexts: 256, divider_latency: 5, ..default },
+    ]
+}
+
+/// The beginning of an assertion's statement, before and after its name.
+const ASSERTION: [&str; 2] = ["  always_comb ", ": assert ("];
+
+/// The properties of which only the one of this name is asserted; the others become wires without a reader.
+fn only(properties: &str, name: &str) -> String {
+    let assertions = properties.split(ASSERTION[0]).map(|statement| match statement.split_once(ASSERTION[1]) {
+        Some((other, _)) if other != name && !other.contains([' ', '\n']) => {
+            statement.replacen(&format!("{other}{}", ASSERTION[1]), &format!("  wire p_not_{other} = ("), 1)
+        }
+        _ => format!("{}{statement}", ASSERTION[0]),
+    });
+    assertions.collect::<String>().replacen(ASSERTION[0], "", 1)
+}
 
 impl Setting {
     /// The problems that the properties of this module's claim hold for a faulty copy, which must fail without lemmas
@@ -46,181 +57,104 @@ impl Setting {
     /// The module cannot be printed.
     pub fn faulty(&self, module: &Arc<Module>) -> Result<Option<[Obligation; 2]>, Error> {
         let Some(claim) = self.claims().find(|claim| claim.module == module.name()) else { return Ok(None) };
-        let unit = built(Config::DEFAULT, self.unit.parameters)?;
-        let modules = self.modules.iter().map(|own| if own.name() == module.name() { module } else { own });
-        let setting = Self { unit, modules: modules.cloned().collect(), ..*self };
-        let properties = claim.properties.split(LEMMAS).next().unwrap_or_default();
-        let assertions = properties.matches(": assert (").count();
-        let text = setting.text(claim, None, properties)?;
-        let Obligation { problem, expected } = setting.refuted(claim, "a fault".to_string(), text, assertions)?;
-        let refutation =
-            Obligation { problem: SafetyProblem { method: Method::Bounded(FEW_CYCLES), ..problem }, expected };
-        Ok(Some([refutation, setting.claim(claim)?]))
+        let problem = |name: &str, properties, method, expected| {
+            let text = self.text(&claim, module, None, properties)?;
+            Ok::<_, Error>(obligation(&claim, name, text, method, expected))
+        };
+        let fails = problem("a fault", claim.stated(), Method::Bounded(FEW_CYCLES), CheckResult::Fails)?;
+        Ok(Some([fails, problem("a fault", claim.properties, claim.method(), CheckResult::Holds)?]))
     }
 
-    fn claims(&self) -> impl Iterator<Item = &'static Claim> + use<> {
+    /// The claims about modules of this unit.
+    fn claims(&self) -> impl Iterator<Item = Claim> + use<> {
         let variant = self.variant;
-        CLAIMS.iter().filter(move |claim| claim.variant == variant)
+        CLAIMS.iter().copied().chain(queues()).filter(move |claim| claim.variant == variant)
     }
 
-    /// The module of a claim, with registers in place of the memories that its properties see.
-    fn subject(&self, claim: &Claim) -> Result<Arc<Module>, Error> {
-        let module = self.module(claim.module)?;
-        match claim.queue {
-            _ if claim.expands => Ok(expand_memories(module)?),
-            Some((_, queue)) => Ok(replace(module, &expand_memories(self.module(queue)?)?)?),
-            None => Ok(module.clone()),
-        }
-    }
-
-    fn text(&self, claim: &Claim, fault: Option<TextFault>, inside: &str) -> Result<String, Error> {
-        let module = self.subject(claim)?;
-        let mut texts = ModuleTexts::new(&module)?;
+    /// The module's text with these properties, and memories of which one word is known.
+    fn text(
+        &self,
+        claim: &Claim,
+        module: &Arc<Module>,
+        fault: Option<TextFault>,
+        properties: &str,
+    ) -> Result<String, Error> {
+        let mut texts = ModuleTexts::new(module)?;
         if let Some(fault) = fault
             && !texts.insert(fault)
         {
             return Err(ToolError::unexpected("a fault", format!("{fault:?}"), "a text of its module").into());
         }
+        texts.replace(RAM, include_str!("properties/ram.sv"));
         let contexts = self.unit.parameters.contexts;
         let mut bound = format!("  localparam int N = {contexts};\n");
         if let Some((path, queue)) = claim.queue {
             bound += &bindings::of_queue(path, self.module(queue)?, contexts);
         }
-        bound += &(claim.bindings)(self, &module);
-        Ok(texts.with(claim.module, &format!("{bound}{inside}{RESET}")) + include_str!("properties/lemmas.sv"))
+        bound += &(claim.bindings)(self, module);
+        Ok(texts.with(claim.module, &format!("{bound}{properties}{RESET}")) + include_str!("properties/lemmas.sv"))
     }
 
-    /// The problem that the claim holds.
-    ///
-    /// # Errors
-    /// The module cannot be printed.
-    fn claim(&self, claim: &Claim) -> Result<Obligation, Error> {
-        let assertions = claim.properties.matches(": assert (").count();
-        let name = format!("{} of {} contexts, {:?}", claim.module, self.unit.parameters.contexts, self.variant);
-        let text = self.text(claim, None, claim.properties)?;
-        let problem = SafetyProblem { name, top: claim.module.to_string(), text, assertions, method: claim.method };
-        Ok(Obligation { problem, expected: CheckResult::Holds })
+    /// The problems that the claims hold.
+    fn proofs(&self) -> Result<Vec<Obligation>, Error> {
+        let name = format!("{} contexts, {:?}", self.unit.parameters.contexts, self.variant);
+        let proof = |claim: Claim| {
+            let text = self.text(&claim, self.module(claim.module)?, None, claim.properties)?;
+            Ok(obligation(&claim, &name, text, claim.method(), CheckResult::Holds))
+        };
+        self.claims().map(proof).collect()
     }
 
-    /// The problem that the claim's properties hold in spite of a fault, without lemmas.
-    ///
-    /// # Errors
-    /// The module does not have the text of the fault.
-    fn fault(&self, claim: &Claim, (from, to): (&'static str, &'static str)) -> Result<Obligation, Error> {
-        let properties = claim.properties.split(LEMMAS).next().unwrap_or_default();
+    /// The problem that a property of the claim holds in spite of a fault, without lemmas.
+    fn fault(
+        &self,
+        claim: &Claim,
+        (property, from, to): (&str, &'static str, &'static str),
+    ) -> Result<Obligation, Error> {
         let fault = TextFault { module: claim.module, from, to };
-        let text = self.text(claim, Some(fault), properties)?;
-        let assertions = properties.matches(": assert (").count();
-        self.refuted(claim, format!("{from} replaced by {to}"), text, assertions)
+        let text = self.text(claim, self.module(claim.module)?, Some(fault), &only(claim.stated(), property))?;
+        let name = format!("{property} with {to} in place of {from}");
+        Ok(obligation(claim, &name, text, Method::Bounded(CYCLES), CheckResult::Fails))
     }
 
     /// The problem that what happens does not.
-    ///
-    /// # Errors
-    /// The module cannot be printed.
     fn never(&self, claim: &Claim) -> Result<Obligation, Error> {
-        let properties = claim.properties.split(LEMMAS).next().unwrap_or_default();
-        let mut only = String::new();
-        for line in properties.lines() {
-            // Assertions may take several lines, the last of which ends the statement.
-            let _ = writeln!(only, "{}", line.replace(": assert (", ": assume ("));
-        }
-        let _ = writeln!(only, "  always_comb never: assert (!({}));", claim.happens);
-        let text = self.text(claim, None, &only)?;
-        self.refuted(claim, "never happens".to_string(), text, 1)
+        let assumed = claim.stated().replace(ASSERTION[1], ": assume (");
+        let never = format!("{assumed}  always_comb never: assert (!({}));\n", claim.happens);
+        let text = self.text(claim, self.module(claim.module)?, None, &never)?;
+        Ok(obligation(claim, "never happens", text, Method::Bounded(CYCLES), CheckResult::Fails))
     }
 
     /// The problems of all faults of all claims, and that what happens does not.
-    ///
-    /// # Errors
-    /// The module cannot be printed.
-    pub fn faults(&self) -> Result<Vec<Obligation>, Error> {
-        let all = self.claims().filter(|claim| is_representative(claim));
-        let of = |claim: &'static Claim| {
-            let faults = claim.faults.iter().map(move |fault| self.fault(claim, *fault));
-            std::iter::once(self.never(claim)).chain(faults)
+    fn faults(&self) -> Result<Vec<Obligation>, Error> {
+        let of = |claim: Claim| {
+            let faults = claim.faults.iter().map(move |fault| self.fault(&claim, *fault));
+            std::iter::once(self.never(&claim)).chain(faults)
         };
-        all.flat_map(of).collect()
-    }
-
-    fn refuted(&self, claim: &Claim, what: String, text: String, assertions: usize) -> Result<Obligation, Error> {
-        let name = format!("{}: {what}", claim.module);
-        let method = Method::Bounded(CYCLES);
-        let problem = SafetyProblem { name, top: claim.module.to_string(), text, assertions, method };
-        Ok(Obligation { problem, expected: CheckResult::Fails })
+        self.claims().filter(|claim| !claim.faults.is_empty()).flat_map(of).collect()
     }
 }
 
-/// Whether the faults of a claim are refuted. One of the queues stands for all: they differ in the width of words.
-fn is_representative(claim: &Claim) -> bool {
-    claim.module == CLAIMS[0].module || claim.queue.is_none_or(|(path, _)| !path.is_empty())
+fn obligation(claim: &Claim, name: &str, text: String, method: Method, expected: CheckResult) -> Obligation {
+    let (name, top) = (format!("{}: {name}", claim.module), claim.module.to_string());
+    let assertions = text.matches(ASSERTION[1]).count();
+    Obligation { problem: SafetyProblem { name, top, text, assertions, method }, expected }
 }
 
-/// Whether no claim before is one of the same module, in another unit.
-fn is_first(claim: &Claim) -> bool {
-    CLAIMS.iter().find(|other| other.module == claim.module).is_some_and(|first| first.variant == claim.variant)
-}
-
-/// The obligations of a level: all claims of one unit or of several, what must happen, and faults.
+/// The obligations of a level: all claims, what must happen and all faults in the least units, and above level
+/// `regression` the claims in further units.
 ///
 /// # Errors
 /// A unit cannot be built.
 pub fn obligations(level: Level) -> Result<Vec<Obligation>, Error> {
-    let is_thorough = level > Level::Regression;
     let mut all = Vec::new();
     for variant in Variant::ALL {
-        // A refutation needs no more than the lowest bits.
-        let (least, least_bits) = (Setting::least(variant, is_thorough)?, Setting::least(variant, false)?);
-        let claims = || least.claims().filter(|claim| is_thorough || is_first(claim));
-        for claim in claims() {
-            all.push(least.claim(claim)?);
-        }
-        for claim in claims().filter(|claim| is_representative(claim)) {
-            let faults = if is_thorough { claim.faults } else { &claim.faults[..1] };
-            if is_thorough {
-                all.push(least_bits.never(claim)?);
-            }
-            for &fault in faults {
-                all.push(least_bits.fault(claim, fault)?);
-            }
-        }
-        for parameters in MORE.into_iter().filter(|_| is_thorough) {
-            let setting = Setting::new(variant, parameters, false)?;
-            let is_limited = |claim: &&Claim| {
-                LIMITED.iter().any(|(module, most)| *module == claim.module && parameters.contexts > *most)
-            };
-            for claim in setting.claims().filter(|claim| !is_limited(claim)) {
-                all.push(setting.claim(claim)?);
-            }
+        let least = Setting::least(variant)?;
+        all.extend(least.proofs()?);
+        all.extend(least.faults()?);
+        for parameters in more().into_iter().filter(|_| level > Level::Regression) {
+            all.extend(Setting::new(variant, parameters)?.proofs()?);
         }
     }
     Ok(all)
-}
-
-/// The result of one obligation: whether it was a proof, and what went wrong.
-pub type Checked = (bool, Option<String>);
-
-/// Checks the shard's obligations on all cores. Those that were not reached when the run was stopped are missing.
-///
-/// # Errors
-/// A program is missing or fails.
-pub fn check(
-    obligations: &[Obligation],
-    shard: Shard,
-    proceed: &mut dyn FnMut(Progress) -> bool,
-) -> Result<Vec<Option<Checked>>, Error> {
-    let checker = ModelChecker::find()?;
-    let own: Vec<&Obligation> =
-        (0..).zip(obligations).filter(|(number, _)| shard.takes(*number)).map(|(_, obligation)| obligation).collect();
-    let results = pool::map(&own, pool::ALL_CORES, proceed, |obligation, stop| {
-        let found: Option<CheckResult> = checker.check(&obligation.problem, stop)?;
-        Ok::<_, Error>(found)
-    })?;
-    let verdict = |(obligation, result): (&&Obligation, Option<CheckResult>)| {
-        let Obligation { problem, expected } = obligation;
-        let found = result?;
-        let failure = (found != *expected).then(|| format!("{}: {found:?}, expected {expected:?}", problem.name));
-        Some((*expected == CheckResult::Holds, failure))
-    };
-    Ok(own.iter().zip(results).map(verdict).collect())
 }

@@ -3,6 +3,7 @@
 use crate::built;
 use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
+use raypath_tools::ToolError;
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::{StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 use raypath_verify::Error;
@@ -29,8 +30,8 @@ pub enum Variant {
 }
 
 impl Variant {
-    /// All variants.
-    pub const ALL: [Self; 3] = [Self::Plain, Self::Instances, Self::Quantised];
+    /// All variants. A module that several have comes first in the unit about which its claim is.
+    pub const ALL: [Self; 3] = [Self::Plain, Self::Quantised, Self::Instances];
 
     /// The parameters of a unit, with these parts.
     pub fn of(self, parameters: UnitParameters) -> UnitParameters {
@@ -46,8 +47,6 @@ pub struct Setting {
     pub unit: UnitNetlist,
     pub(super) variant: Variant,
     pub(super) modules: Vec<Arc<Module>>,
-    /// Whether all bits of the data are followed, and not some of them.
-    pub is_wide: bool,
 }
 
 impl Setting {
@@ -55,23 +54,19 @@ impl Setting {
     ///
     /// # Errors
     /// The unit cannot be built.
-    pub fn least(variant: Variant, is_wide: bool) -> Result<Self, Error> {
-        Self::new(variant, LEAST, is_wide)
+    pub fn least(variant: Variant) -> Result<Self, Error> {
+        Self::new(variant, LEAST)
     }
 
-    pub(super) fn new(variant: Variant, parameters: UnitParameters, is_wide: bool) -> Result<Self, Error> {
+    pub(super) fn new(variant: Variant, parameters: UnitParameters) -> Result<Self, Error> {
         let unit = built(Config::DEFAULT, variant.of(parameters))?;
         let modules = verilog::modules(&unit.top)?;
-        Ok(Self { unit, variant, modules, is_wide })
+        Ok(Self { unit, variant, modules })
     }
 
     pub(super) fn module(&self, name: &str) -> Result<&Arc<Module>, Error> {
         let found = self.modules.iter().find(|module| module.name() == name);
-        let missing = || raypath_hdl::Error::Name {
-            module: "raypath_unit".to_string(),
-            name: name.to_string(),
-            problem: "is the name of no module in it".to_string(),
-        };
-        Ok(found.ok_or_else(missing)?)
+        Ok(found
+            .ok_or_else(|| ToolError::unexpected("raypath_unit", format!("no module {name}"), "all of the claims"))?)
     }
 }

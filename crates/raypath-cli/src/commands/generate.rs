@@ -2,7 +2,7 @@
 
 mod unit;
 
-use crate::commands::unit::UnitArguments;
+use crate::commands::unit::{UnitArguments, not_with_unit};
 use crate::{CliError, DatapathArguments, Progress, ask_oracles, whole};
 use clap::Args;
 use raypath_hdl::verilog;
@@ -20,6 +20,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(Debug, Args)]
+#[command(after_help = not_with_unit())]
 pub struct Arguments {
     /// The folder to write to
     #[arg(long, default_value = "build")]

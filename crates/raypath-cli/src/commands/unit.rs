@@ -4,7 +4,7 @@ use crate::CliError;
 use clap::builder::PossibleValuesParser;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
-use raypath_traversal::{UnitParameter, UnitParameters};
+use raypath_traversal::{UnitParameter, UnitParameters, fixed_parameters};
 
 /// The parameters of the unit around the datapath, each in its range.
 #[derive(Debug)]
@@ -28,6 +28,12 @@ impl UnitArguments {
         let problem = |given| format!("{given} is an option of the traversal unit, expected {selector}");
         self.given.as_ref().map_or(Ok(()), |given| Err(CliError::unusable(problem(given))))
     }
+}
+
+/// Which options of the datapath a unit around it does not have, for the help text of a command with `--unit`.
+pub fn not_with_unit() -> String {
+    let fixed: Vec<String> = fixed_parameters().map(|parameter| format!("--{}", parameter.name)).collect();
+    format!("With --unit, --lanes has no effect, and these options cannot be changed: {}.", fixed.join(", "))
 }
 
 /// The parameters that have an option of their own.

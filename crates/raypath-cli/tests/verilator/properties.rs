@@ -3,7 +3,8 @@
 use raypath_rtl::{Config, Datapath, Lanes};
 use raypath_tools::{Options, Sources, ToolError, Verilated};
 
-/// Runs 500 cycles with stalls and bubbles and arbitrary data. `fault` replaces a text in `raypath_skid`.
+/// Runs 500 cycles with stalls and bubbles and arbitrary data, from registers with random values, which are reset in
+/// cycle 20. `fault` replaces a text in `raypath_skid`.
 fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
     let config = Config::DEFAULT.lanes(Lanes::None).format("fp16".parse().expect("a format"));
     let datapath = Datapath::new(config).expect("a datapath");
@@ -20,8 +21,8 @@ fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
     sources.add(path, &datapath.properties().to_string()).expect("the assertions");
     let verilated = Verilated::build_sources(&sources.files, top, folder.path(), &Options::default())?;
     let mut state = 1u64;
-    let frames = (0..500).map(|_| {
-        let mut frame = vec![1];
+    let frames = (0..500).map(|cycle| {
+        let mut frame = vec![u64::from(cycle != 20)];
         for port in top.inputs() {
             // Knuth's 64-bit linear congruential generator; its upper bits are used.
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -30,7 +31,7 @@ fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
         frame
     });
     let frames: Vec<_> = frames.collect();
-    verilated.run(frames, |_, _| ())
+    verilated.run_from_power_up(1, frames, |_, _| ())
 }
 
 #[test]

@@ -91,7 +91,8 @@ impl PortContexts {
 impl Contexts for PortContexts {
     fn enter(&mut self, context: u8, id: u64, ray: &RayRequest) {
         let context = &mut self.contexts[usize::from(context)];
-        context.id = id;
+        // As wide as the port.
+        context.id = id & u64::MAX >> (64 - self.parameters.id_width);
         context.walk.begin(&self.answers, ray);
     }
 

@@ -36,7 +36,7 @@ macro_rules! declare {
 }
 
 declare! {
-    "contexts": contexts, "8..256", "Rays in flight";
+    "contexts": contexts, "8..256", "Rays that are traced at a time; the hit of one more may wait at the port";
     "stack": step.stack, "2|4|8|16|32", "Entries of the stack of each ray";
     "node": step.node, "wide4|quantised", "Nodes of the scene: boxes in binary32, or of 8 bits a bound";
     "memory-width": memory_width, "128|256|512|1024", "Bits of a beat of the memory; 1024 with wide4 only";

@@ -8,7 +8,7 @@ use thiserror::Error;
 /// The parameters of the unit around its datapath.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitParameters {
-    /// Rays in flight: 8 to 256.
+    /// Rays that are traced at a time: 8 to 256. The hit of one more may wait at the port.
     pub contexts: u32,
     /// The step of a ray, with the entries of its stack.
     pub step: StepParameters,

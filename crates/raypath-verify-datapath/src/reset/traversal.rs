@@ -29,7 +29,7 @@ pub fn scenario(rays: usize, seed: u64) -> Result<Scenario, Error> {
     let (scene, root) = BlockScene::random_of(parameters.step.node, 8, &mut random);
     let rays = (0..rays).map(|_| random_ray(root, &mut random)).collect();
     let behaviour = Behaviour { latency: (1, 4), stalls: [20; 4], errors: 0 };
-    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays, behaviour, seed);
+    let mut environment = Environment::new(&scene.0, parameters, rays, behaviour, seed);
     let mut recorder = Recorder::new(UnitModel::of(&unit), &unit.top);
     while !environment.is_done() {
         // In a reset, and while rays are inside.

@@ -1,6 +1,6 @@
 //! The hits of rays that have ended, with the host's division of weights.
 
-use super::{Bench, CYCLES, number, weights::weight};
+use super::{Bench, CYCLES, number};
 use rand::RngExt;
 use std::collections::VecDeque;
 
@@ -95,4 +95,10 @@ pub fn run(bench: &mut Bench, contexts: u32, divider_latency: u32) -> Result<(),
         bench.simulator.cycle();
     }
     Ok(())
+}
+
+/// The word of the quotient of two words; of NaN the canonical one.
+fn weight(numerator: u64, denominator: u64) -> u64 {
+    let quotient = f32::from_bits(numerator as u32) / f32::from_bits(denominator as u32);
+    (if quotient.is_nan() { f32::NAN } else { quotient }).to_bits().into()
 }

@@ -1,9 +1,7 @@
   // A block arrives with its last beat and once, whatever the order of the beats of different contexts, and has failed
-  // if one of its beats has an error. Some context is followed.
-  (* anyconst *) logic [W-1:0] p_context;
+  // if one of its beats has an error. Some context is followed, and its readers have the words of its beats.
   always_comb assume (p_context < N);
   wire p_here = valid_i && context_i == p_context;
-  logic [3:0] p_beats_q;
   logic p_error_q;
   wire p_is_last = p_beats_q == BEATS - 1;
   always_ff @(posedge clk_i or negedge rst_ni)
@@ -15,3 +13,4 @@
   always_comb last_beat: assert (!p_here || arrived_o == p_is_last);
   always_comb no_other: assert (valid_i || !arrived_o);
   always_comb error: assert (!(p_here && arrived_o) || failed_o == (p_error_q || error_i));
+  always_comb kept: assert (p_right);

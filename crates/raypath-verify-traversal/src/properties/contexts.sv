@@ -38,26 +38,26 @@
   always_comb returns: assert (!(p_returns_q && p_ahead_q == 0 && valid_o) || context_o == p_context);
   always_comb soon: assert (!p_returns_q || p_ahead_q < N);
 
-  // Lemmas.
+  // Lemmas. A word that waits is the context that is followed exactly where that one is. By induction over time this
+  // holds at all addresses of the memory: it is assumed of what is read, and proved of the slot, which is any address.
   wire [8:0] p_fresh = 9'(N) - p_fresh_q;
-  wire p_holds, p_is_once;
+  wire [8:0] p_index = p_ahead_q - p_fresh;
+  wire p_holds;
   p_queue #(.N (N), .W (W)) p_lemmas (
-    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .words (p_words), .front (p_front),
-    .inside (9'(N) - p_out_q - p_fresh), .followed (p_returns_q), .index (p_ahead_q - p_fresh), .word (p_context),
+    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .slot (p_slot), .stored (p_stored),
+    .front (p_front), .inside (9'(N) - p_out_q - p_fresh), .followed (1'b0), .index (p_index), .word (p_context),
     .holds (p_holds)
   );
-  p_nowhere_else #(.N (N), .W (W)) p_where (
-    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .words (p_words), .front (p_front),
-    .followed (p_returns_q), .index (p_ahead_q - p_fresh), .word (p_context), .holds (p_is_once)
-  );
-  logic p_in_range;
-  always_comb begin
-    p_in_range = !p_valid || p_front < N;
-    for (int k = 0; k < N; k++)
-      if (p_head < p_tail ? 9'(k) >= p_head && 9'(k) < p_tail : p_count != 0 && (9'(k) >= p_head || 9'(k) < p_tail))
-        p_in_range = p_in_range && p_words[k*W +: W] < N;
-  end
+  wire p_at_front = p_returns_q && p_valid && p_index == 0;
+  wire [8:0] p_place = p_head + p_index - {8'd0, p_valid};
+  wire [8:0] p_wrapped = p_place >= N ? p_place - 9'(N) : p_place;
+  wire p_waits = p_returns_q && !p_at_front;
+  wire p_is_live = p_head < p_tail ? p_slot >= p_head && p_slot < p_tail
+    : p_count != 0 && (p_slot >= p_head || p_slot < p_tail);
+  always_comb assume (p_other < N && (p_other == p_context) == (p_waits && p_wrapped == p_head));
+  wire p_is_once = (!p_is_live || (p_stored < N && (p_stored == p_context) == (p_waits && p_wrapped == p_slot)))
+    && (!p_valid || (p_front < N && (p_front == p_context) == p_at_front));
   wire p_is_fresh = 9'(p_context) >= p_fresh_q;
-  always_comb lemmas: assert (p_holds && p_is_once && p_in_range && (!has_fresh_q || p_fresh_q < N)
+  always_comb lemmas: assert (p_holds && p_is_once && (!has_fresh_q || p_fresh_q < N)
     && !(p_is_out_q && p_is_fresh) && p_returns_q == (!p_is_out_q && !p_is_fresh)
-    && (!p_returns_q || p_ahead_q >= p_fresh) && (!p_waited_q || valid_o));
+    && (!p_returns_q || (p_ahead_q >= p_fresh && p_index < 9'(N) - p_out_q - p_fresh)) && (!p_waited_q || valid_o));

@@ -19,7 +19,7 @@
   logic [8:0] p_ahead_q;
   logic [W+1:0] p_place_q;
   logic [F-1:0] p_fraction_q;
-  wire p_starts = p_enters && p_follow && !p_follows_q && !p_read_q;
+  wire p_starts = p_enters && p_follow && {context_i, place_i} == p_slot && !p_follows_q && !p_read_q;
   wire p_turn = p_follows_q && p_ahead_q == 0 && read_o;
   always_ff @(posedge clk_i or negedge rst_ni)
     if (!rst_ni) {p_follows_q, p_read_q} <= 0;
@@ -99,5 +99,6 @@
     end
   end
   always_comb lemmas: assert (p_holds && p_triangles == p_inside_q && p_lasts == p_blocks_q
-    && (!p_follows_q || (p_ahead_q < p_inside_q && p_stored == p_fraction_q)) && !(p_follows_q && p_read_q)
+    && (!p_follows_q || (p_ahead_q < p_inside_q && p_place_q == p_slot && p_fractions_stored == p_fraction_q))
+    && !(p_follows_q && p_read_q)
     && (!p_chosen_q || p_before_q < p_blocks_q) && (p_blocks_q != 0 || p_waits_q == 0));

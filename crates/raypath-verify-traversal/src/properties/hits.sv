@@ -13,7 +13,7 @@
   logic [8:0] p_ahead_q;
   logic [W-1:0] p_context_q;
   logic [V-1:0] p_values_q;
-  wire p_starts = ends_i && p_follow && !p_follows_q && !p_shows_q;
+  wire p_starts = ends_i && p_follow && p_tail == p_slot && context_i == p_hits_slot && !p_follows_q && !p_shows_q;
   wire p_turn = p_follows_q && p_ahead_q == 0 && release_o;
   always_ff @(posedge clk_i or negedge rst_ni)
     if (!rst_ni) {p_follows_q, p_shows_q} <= 0;
@@ -43,8 +43,9 @@
   // Lemmas.
   wire p_holds;
   p_queue #(.N (N), .W (W)) p_lemmas (
-    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .words (p_words), .front (p_front),
+    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .slot (p_slot), .stored (p_stored),
+    .front (p_front),
     .inside (p_inside_q), .followed (p_follows_q), .index (p_ahead_q), .word (p_context_q), .holds (p_holds)
   );
   always_comb lemmas: assert (p_holds && (!p_waited_q || p_valid) && p_hit_q == valid_q
-    && (!p_follows_q || p_stored == p_values_q) && !(p_follows_q && p_shows_q));
+    && (!p_follows_q || p_context_q == p_hits_slot && p_hits_stored == p_values_q) && !(p_follows_q && p_shows_q));

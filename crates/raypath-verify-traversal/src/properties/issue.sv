@@ -23,7 +23,7 @@
   logic [8:0] p_ahead_q;
   logic [W-1:0] p_word_q;
   logic [1:0] p_jobs_q;
-  wire p_starts = arrived_i && p_follow && !p_follows_q && !p_serves_q;
+  wire p_starts = arrived_i && p_follow && p_tail == p_slot && !p_follows_q && !p_serves_q;
   wire p_turn = p_follows_q && p_ahead_q == 0 && take_o;
   wire [1:0] p_jobs = count_i == 0 ? 2'd1 : count_i;
   wire p_failed = p_word_q[0];
@@ -62,7 +62,8 @@
   // Lemmas.
   wire p_holds;
   p_queue #(.N (N), .W (W)) p_lemmas (
-    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .words (p_words), .front (p_front),
+    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .slot (p_slot), .stored (p_stored),
+    .front (p_front),
     .inside (p_waiting_q), .followed (p_follows_q), .index (p_ahead_q), .word (p_word_q), .holds (p_holds)
   );
   always_comb lemmas: assert (p_holds && p_inside_q == p_waiting_q + {8'd0, p_busy_q} && p_busy_q == busy_q

@@ -1,45 +1,17 @@
 
-// What holds in a queue of N words of W bits, of which one may be followed, `index` words behind the first.
+// What holds in a queue of N words of W bits, of which one may be followed, `index` words behind the first. Of its
+// memory the word at one address is known, `stored` at `slot`.
 module p_queue #(parameter int N = 8, parameter int W = 3) (
-  input logic [8:0] count, head, tail, inside, index,
+  input logic [8:0] count, head, tail, slot, inside, index,
   input logic valid, followed,
-  input logic [N*W-1:0] words,
-  input logic [W-1:0] front, word,
+  input logic [W-1:0] stored, front, word,
   output logic holds
 );
   wire [8:0] last = head + count;
   wire [8:0] place = head + index - {8'd0, valid};
-  wire [8:0] wrapped = place >= N ? place - 9'(N) : place;
-  logic [W-1:0] found;
-  always_comb begin
-    found = 0;
-    for (int k = 0; k < N; k++) if (wrapped == k) found = words[k*W +: W];
-  end
-  wire is_found = valid && index == 0 ? front == word : found == word;
+  wire is_found = valid && index == 0 ? front == word : slot == (place >= N ? place - 9'(N) : place) && stored == word;
   assign holds = inside == count + {8'd0, valid} && count <= N && inside <= N && head < N && tail < N
     && tail == (last >= N ? last - 9'(N) : last) && (!followed || (index < inside && is_found));
-endmodule
-
-// Whether a word is in a queue only where it is followed.
-module p_nowhere_else #(parameter int N = 8, parameter int W = 3) (
-  input logic [8:0] count, head, tail, index,
-  input logic valid, followed,
-  input logic [N*W-1:0] words,
-  input logic [W-1:0] front, word,
-  output logic holds
-);
-  wire [8:0] place = head + index - {8'd0, valid};
-  wire [8:0] wrapped = place >= N ? place - 9'(N) : place;
-  logic [N-1:0] holds_word;
-  always_comb
-    for (int k = 0; k < N; k++)
-      holds_word[k] = words[k*W +: W] == word
-        && (head < tail ? 9'(k) >= head && 9'(k) < tail : count != 0 && (9'(k) >= head || 9'(k) < tail));
-  always_comb begin
-    holds = !(valid && front == word) || (followed && index == 0);
-    for (int k = 0; k < N; k++)
-      holds = holds && (!holds_word[k] || (followed && !(valid && index == 0) && wrapped == 9'(k)));
-  end
 endmodule
 
 // What is kept in a memory for the context that is followed: a reader has in the next cycle what was written last.

@@ -11,7 +11,7 @@
   logic p_follows_q;
   logic [8:0] p_ahead_q;
   logic [W-1:0] p_word_q;
-  wire p_starts = push_i && p_follow && !p_follows_q;
+  wire p_starts = push_i && p_follow && p_tail == p_slot && !p_follows_q;
   always_ff @(posedge clk_i or negedge rst_ni)
     if (!rst_ni) p_follows_q <= 0;
     else if (p_starts) p_follows_q <= 1;
@@ -34,7 +34,8 @@
   // Lemmas.
   wire p_holds;
   p_queue #(.N (N), .W (W)) p_lemmas (
-    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .words (p_words), .front (p_front),
+    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .slot (p_slot), .stored (p_stored),
+    .front (p_front),
     .inside (p_inside_q), .followed (p_follows_q), .index (p_ahead_q), .word (p_word_q), .holds (p_holds)
   );
   always_comb lemmas: assert (p_holds && (!p_waited_q || valid_o));

@@ -47,6 +47,11 @@ impl ModuleTexts {
         true
     }
 
+    /// Replaces the text of a module, if it is there.
+    pub fn replace(&mut self, name: &str, text: &str) {
+        self.modules.iter_mut().filter(|(own, _)| own == name).for_each(|(_, own)| *own = text.to_string());
+    }
+
     /// A module with `inside` before its end, and the modules below it. There is no other text, so that equal modules
     /// of different datapaths have equal texts.
     pub fn with(&self, module: &str, inside: &str) -> String {

@@ -10,14 +10,14 @@ use std::process::Command;
 fn the_unit_is_written_listed_and_checked() {
     let folder = folder();
     let out = text(folder.path());
-    let options = "--unit --contexts 12 --stack 2 --memory-width 256 --id-width 20 --divider-latency 3 --rays 200";
+    let options = "--unit --contexts 12 --stack 2 --memory-width 256 --id-width 7 --divider-latency 3 --rays 200";
     let arguments: Vec<&str> =
         ["generate", "--preset", "compact", "--out", &out].into_iter().chain(options.split(' ')).collect();
     let output = raypath(&arguments);
     let said = said(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
     for words in
-        ["12 contexts, stacks of 2, memory of 256 bits", "hit_id_o [19:0]", "mem_rsp_data_i [255:0]", "Checked 200"]
+        ["12 contexts, stacks of 2, memory of 256 bits", "hit_id_o [6:0]", "mem_rsp_data_i [255:0]", "Checked 200"]
     {
         assert!(said.contains(words), "no '{words}' in {said}");
     }
@@ -72,7 +72,7 @@ fn the_unit_is_written_listed_and_checked() {
 
 #[test]
 fn wrong_parameters_of_the_unit_are_named() {
-    let wrong: [(&str, &[&str]); 17] = [
+    let wrong: [(&str, &[&str]); 19] = [
         ("--unit --node wide", &["'wide'", "--node", "expected wide4 or quantised"]),
         ("--unit --node quantised --memory-width 1024", &["memory width is 1024", "expected 128, 256 or 512 with"]),
         ("--node quantised", &["--node quantised", "expected --unit"]),
@@ -90,10 +90,16 @@ fn wrong_parameters_of_the_unit_are_named() {
         ("--unit --jobs 5", &["--unit", "cannot be used with", "--jobs"]),
         ("--unit --preset half", &["format e5s11", "expected format fp32"]),
         ("--unit --rules chisel", &["rules chisel", "expected rules paper"]),
+        ("--unit --tag 4", &["tag 4", "expected tag 0"]),
+        ("--unit --preset quantised", &["quantised-boxes true", "expected quantised-boxes false"]),
     ];
     for (options, words) in wrong {
         let arguments: Vec<&str> = ["generate"].into_iter().chain(options.split(' ')).collect();
         ends_with(&arguments, 2, words);
+    }
+    for command in ["generate", "wave", "ppa"] {
+        let words = ["With --unit, --lanes has no effect", "--rules", "--conservative", "--exception-flags."];
+        ends_with(&[command, "--help"], 0, &words);
     }
     ends_with(&["wave", "--unit", "jobs.txt"], 2, &["--unit", "cannot be used with", "FILES"]);
     ends_with(&["wave", "--contexts", "8", "jobs.txt"], 2, &["--contexts 8", "expected --unit"]);

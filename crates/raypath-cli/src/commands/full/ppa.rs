@@ -4,7 +4,7 @@ mod jobs;
 mod power;
 
 use crate::commands::full::BenchArguments;
-use crate::commands::unit::UnitArguments;
+use crate::commands::unit::{UnitArguments, not_with_unit};
 use crate::{CliError, DatapathArguments};
 use clap::Args;
 use jobs::JobArguments;
@@ -17,6 +17,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
+#[command(after_help = not_with_unit())]
 pub struct Arguments {
     #[command(flatten)]
     datapath: DatapathArguments,

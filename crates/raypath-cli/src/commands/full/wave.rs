@@ -3,7 +3,7 @@
 mod unit;
 
 use crate::commands::full::StreamArguments;
-use crate::commands::unit::UnitArguments;
+use crate::commands::unit::{UnitArguments, not_with_unit};
 use crate::{CliError, DatapathArguments, Progress, whole};
 use clap::Args;
 use raypath_hdl::Simulator;
@@ -15,6 +15,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
+#[command(after_help = not_with_unit())]
 pub struct Arguments {
     #[command(flatten)]
     stream: StreamArguments,

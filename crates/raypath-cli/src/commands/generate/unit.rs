@@ -139,9 +139,7 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
     let total = arguments.rays as usize;
     let rays: Vec<RayRequest> = (0..total).map(|_| random_ray(root, &mut random)).collect();
     let (mut netlist, mut model) = (NetlistEngine::new(unit)?, UnitModel::of(unit));
-    let width = unit.parameters.memory_width;
-    let environment = Environment::new(&scene.0, width, rays.clone(), BEHAVIOUR, arguments.seed);
-    let mut environment = environment.of_nodes(nodes);
+    let mut environment = Environment::new(&scene.0, unit.parameters, rays.clone(), BEHAVIOUR, arguments.seed);
     let mut progress = Progress::new("rays", total);
     let limit = CYCLES_PER_RAY.saturating_mul(total as u64);
     while !environment.is_done() && progress.at(environment.replies.len()) {

@@ -10,6 +10,8 @@ module raypath_credit_properties #(
 
   localparam int unsigned CountWidth = $clog2(Capacity + 2);
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic [CountWidth-1:0] count_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -20,8 +22,16 @@ module raypath_credit_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    none_without_a_place: assert (!enters_i || count_q < Capacity[CountWidth-1:0]);
+    if (was_reset_q) begin
+      none_without_a_place: assert (!enters_i || count_q < Capacity[CountWidth-1:0]);
+    end
   end
 
 endmodule : raypath_credit_properties

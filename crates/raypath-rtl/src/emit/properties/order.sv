@@ -20,6 +20,8 @@ module raypath_order_properties #(
   localparam int unsigned WaitsWidth  = $clog2(MaxWaits + 2);
   localparam int unsigned InsideWidth = OpcodeWidth * (Capacity + 1);
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic [CountWidth-1:0]  count_q;
   logic [InsideWidth-1:0] inside_q;
   logic [WaitsWidth-1:0]  waits_q;
@@ -49,11 +51,19 @@ module raypath_order_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    no_more_than_fit: assert (!enters || staying < Capacity[CountWidth-1:0]);
-    none_repeated:    assert (!leave_valid_i || count_q != '0);
-    none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[OpcodeWidth-1:0]);
-    none_lost:        assert (waits_q < MaxWaits[WaitsWidth-1:0]);
+    if (was_reset_q) begin
+      no_more_than_fit: assert (!enters || staying < Capacity[CountWidth-1:0]);
+      none_repeated:    assert (!leave_valid_i || count_q != '0);
+      none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[OpcodeWidth-1:0]);
+      none_lost:        assert (waits_q < MaxWaits[WaitsWidth-1:0]);
+    end
   end
 
 endmodule : raypath_order_properties

@@ -12,6 +12,8 @@ module raypath_rounds_properties #(
 
   localparam int unsigned CountWidth = $clog2(Positions + 2);
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic [CountWidth-1:0] count_q;
   logic [CountWidth-1:0] count;
   logic [Positions-1:0]  too_near;
@@ -35,9 +37,17 @@ module raypath_rounds_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    none_too_near:         assert (too_near == '0);
-    none_lost_or_repeated: assert (count == count_q);
+    if (was_reset_q) begin
+      none_too_near:         assert (too_near == '0);
+      none_lost_or_repeated: assert (count == count_q);
+    end
   end
 
 endmodule : raypath_rounds_properties

@@ -9,6 +9,8 @@ module raypath_stall_properties #(
   input logic [Width-1:0] data_i
 );
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic             stalled_q;
   logic [Width-1:0] data_q;
 
@@ -22,9 +24,17 @@ module raypath_stall_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    valid_stays: assert (!stalled_q || valid_i);
-    data_stay:   assert (!stalled_q || data_i == data_q);
+    if (was_reset_q) begin
+      valid_stays: assert (!stalled_q || valid_i);
+      data_stay:   assert (!stalled_q || data_i == data_q);
+    end
   end
 
 endmodule : raypath_stall_properties

@@ -15,6 +15,8 @@ module raypath_state_properties #(
   input logic [Width-1:0]       state_i
 );
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic [Width-1:0] state_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -25,8 +27,16 @@ module raypath_state_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    once_a_beat: assert (state_i == state_q);
+    if (was_reset_q) begin
+      once_a_beat: assert (state_i == state_q);
+    end
   end
 
 endmodule : raypath_state_properties

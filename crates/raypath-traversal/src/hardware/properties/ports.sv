@@ -15,25 +15,34 @@ module raypath_unit_ports_properties #(
   input logic [ContextWidth-1:0] arrival_tag_i
 );
 
-  logic                  runs_q;  // not in reset
-  logic [ContextWidth:0] inside_q;
-  logic [31:0]           left_q [0:2**ContextWidth-1];  // beats of each tag that have not arrived
+  localparam int unsigned Tags       = 2 ** ContextWidth;
+  localparam int unsigned CountWidth = $clog2(Beats + 1);
+
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+  logic runs_q = 1'b0;       // a reset has ended
+
+  logic [ContextWidth:0]      inside_q;
+  logic [Tags*CountWidth-1:0] left_q;  // beats of each tag that have not arrived
+  logic [CountWidth-1:0]      left_of_request;
+  logic [CountWidth-1:0]      left_of_arrival;
+
+  assign left_of_request = left_q[request_tag_i*CountWidth +: CountWidth];
+  assign left_of_arrival = left_q[arrival_tag_i*CountWidth +: CountWidth];
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      runs_q   <= 1'b0;
-      inside_q <= '0;
-      for (int tag = 0; tag < 2**ContextWidth; tag++) begin
-        left_q[tag] <= '0;
-      end
+      was_reset_q <= 1'b1;
+      runs_q      <= 1'b0;
+      inside_q    <= '0;
+      left_q      <= '0;
     end else begin
-      runs_q   <= 1'b1;
+      runs_q   <= was_reset_q;
       inside_q <= inside_q + {{ContextWidth{1'b0}}, enters_i} - {{ContextWidth{1'b0}}, leaves_i};
       if (arrives_i) begin
-        left_q[arrival_tag_i] <= left_q[arrival_tag_i] - 1;
+        left_q[arrival_tag_i*CountWidth +: CountWidth] <= left_of_arrival - 1'b1;
       end
       if (requests_i) begin
-        left_q[request_tag_i] <= Beats;
+        left_q[request_tag_i*CountWidth +: CountWidth] <= Beats[CountWidth-1:0];
       end
     end
   end
@@ -43,9 +52,9 @@ module raypath_unit_ports_properties #(
       hits_have_rays:      assert (!leaves_i || inside_q != 0);
       // A context is free again while its hit waits at the port.
       contexts_suffice:    assert (inside_q <= Contexts[ContextWidth:0] + 1'b1);
-      tags_are_free:       assert (!requests_i || left_q[request_tag_i] == 0);
+      tags_are_free:       assert (!requests_i || left_of_request == 0);
       // Of the memory, not of the unit.
-      arrivals_were_asked: assert (!arrives_i || left_q[arrival_tag_i] != 0);
+      arrivals_were_asked: assert (!arrives_i || left_of_arrival != 0);
     end
   end
 

@@ -7,7 +7,7 @@ use raypath_render::{Camera, Scene, builtin};
 use raypath_rtl::Config;
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
 use raypath_traversal::system::{MemoryParameters, RayUser, simulate};
-use raypath_traversal::traffic::{Behaviour, Environment, Recorder};
+use raypath_traversal::traffic::{Behaviour, Environment, RecordedEngine};
 use raypath_traversal::{RayRequest, Reply, UnitModel, UnitNetlist, UnitParameters};
 
 /// The size of the picture whose rays are traced.
@@ -52,9 +52,9 @@ fn verilator(scene: &[u8], rays: &[RayRequest], repetitions: usize) -> Result<f6
     let stride = (rays.len() / RECORDED).max(1);
     let rays: Vec<RayRequest> = rays.iter().copied().step_by(stride).collect();
     let behaviour = Behaviour { latency: (LATENCY, LATENCY), stalls: [0; 4], errors: 0 };
-    let mut environment = Environment::new(scene, unit.parameters.memory_width, rays, behaviour, 1);
+    let mut environment = Environment::new(scene, unit.parameters, rays, behaviour, 1);
     let top = &unit.top;
-    let mut recorder = Recorder::new(UnitModel::of(&unit), top);
+    let mut recorder = RecordedEngine::new(UnitModel::of(&unit), top);
     while !environment.is_done() {
         environment.cycle(&mut [&mut recorder]).map_err(CliError::unusable)?;
     }

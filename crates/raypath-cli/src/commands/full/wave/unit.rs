@@ -21,8 +21,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let unit = UnitNetlist::new(arguments.datapath.config()?, arguments.unit_parameters.parameters())?;
     let seed = arguments.stream.seed();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let nodes = unit.parameters.step.node;
-    let (scene, root) = BlockScene::random_of(nodes, TRIANGLES, &mut random);
+    let (scene, root) = BlockScene::random_of(unit.parameters.step.node, TRIANGLES, &mut random);
     let total = arguments.rays as usize;
     let rays: Vec<RayRequest> = (0..total).map(|_| random_ray(root, &mut random)).collect();
 
@@ -31,8 +30,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let netlist = NetlistEngine::observing(&unit.top, |name| is_of_interest(name, &units))?;
     let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
     let mut waving = Waving { netlist, samples: Samples::new(waves) };
-    let environment = Environment::new(&scene.0, unit.parameters.memory_width, rays, BEHAVIOUR, seed);
-    let mut environment = environment.of_nodes(nodes);
+    let mut environment = Environment::new(&scene.0, unit.parameters, rays, BEHAVIOUR, seed);
     let mut progress = Progress::new("rays", total);
     let limit = CYCLES_PER_RAY.saturating_mul(total as u64);
     while !environment.is_done() && progress.at(environment.replies.len()) {

@@ -16,7 +16,7 @@ pub struct RecordedCycle {
 }
 
 /// An engine with its recorded cycles.
-pub struct Recorder<E> {
+pub struct RecordedEngine<E> {
     /// The engine.
     pub engine: E,
     /// Its cycles so far, without those that were taken out.
@@ -25,7 +25,7 @@ pub struct Recorder<E> {
     random: ChaCha8Rng,
 }
 
-impl<E: UnitEngine> Recorder<E> {
+impl<E: UnitEngine> RecordedEngine<E> {
     /// Records the cycles of an engine for a unit with this top module.
     pub fn new(engine: E, top: &Module) -> Self {
         let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
@@ -33,7 +33,7 @@ impl<E: UnitEngine> Recorder<E> {
     }
 }
 
-impl<E: UnitEngine> UnitEngine for Recorder<E> {
+impl<E: UnitEngine> UnitEngine for RecordedEngine<E> {
     fn outputs(&mut self) -> UnitOutputs {
         self.engine.outputs()
     }

@@ -1,0 +1,122 @@
+//! The inputs of the unit by channel, and the wires between its parts that flow backwards.
+
+use super::blocks::data_words;
+use super::connect::{Access, Named, named};
+use super::parameters::UnitParameters;
+use super::queue::bits;
+use crate::blocks::NodeKind;
+use crate::netlist::{Netlist, from_wires};
+use crate::set_up::Entry;
+use crate::step::StepParameters;
+use raypath_hdl::{Builder, Forward, Wire};
+
+/// The inputs of the unit, by channel.
+pub struct Ports<'m> {
+    /// A ray: whether there is one, and its fields besides those of the entry.
+    pub ray_valid: Wire<'m>,
+    pub ray: Named<'m>,
+    pub entry: Entry<Netlist<'m>>,
+    pub hit_ready: Wire<'m>,
+    pub request_ready: Wire<'m>,
+    /// A beat of the memory: whether there is one, its context, its error and its words.
+    pub beat_valid: Wire<'m>,
+    pub beat_context: Wire<'m>,
+    pub beat_error: Wire<'m>,
+    pub beat: Vec<Wire<'m>>,
+}
+
+impl<'m> Ports<'m> {
+    pub fn new(m: &'m Builder, parameters: UnitParameters) -> Self {
+        let UnitParameters { contexts, memory_width, id_width, .. } = parameters;
+        let ray_valid = m.input("ray_valid_i", 1);
+        let ray = [("id", id_width), ("any_hit", 1), ("cull", 2), ("root", 32)];
+        let ray = ray.map(|(name, width)| named(name, m.input(&format!("ray_{name}_i"), width)));
+        let port = |field: &str, width| m.input(&format!("{}_i", field.replace("ray_t_m", "ray_tm")), width);
+        Self {
+            ray_valid,
+            ray: ray.into(),
+            entry: from_wires(m, "ray", port),
+            hit_ready: m.input("hit_ready_i", 1),
+            request_ready: m.input("mem_req_ready_i", 1),
+            beat_valid: m.input("mem_rsp_valid_i", 1),
+            beat_context: m.input("mem_rsp_tag_i", bits(contexts)),
+            beat_error: m.input("mem_rsp_error_i", 1),
+            beat: data_words(m, "mem_rsp_data", "_i", memory_width),
+        }
+    }
+}
+
+/// What flows backwards: a later part drives what an earlier one reads.
+pub struct Backwards<'m> {
+    /// Where answers are taken: of rays that start, of blocks, of faults.
+    pub taken: [Forward<'m>; 3],
+    /// A hit frees the context of its ray.
+    pub releases: (Forward<'m>, Forward<'m>),
+    /// A block is taken for its jobs.
+    pub take: (Forward<'m>, Forward<'m>),
+    /// The limits of a ray and the indices of its block are read.
+    pub limits: (Forward<'m>, Forward<'m>),
+    /// The ray of a step is read.
+    pub step: (Forward<'m>, Forward<'m>),
+    /// A ray fetches a block, with its number of triangles and the ray's extent.
+    pub fetch: (Forward<'m>, Forward<'m>),
+    pub fetch_count: Forward<'m>,
+    pub fetch_extent: Forward<'m>,
+    /// The datapath takes a job.
+    pub job_ready: Forward<'m>,
+    /// With quantised nodes: a block enters the decoder's last stage, with its context; the decoder takes a block.
+    pub decoder: Option<[Forward<'m>; 3]>,
+    /// With instances: to the set-up of rays, and to what is kept of a fetch.
+    pub to_rays: Vec<(String, Forward<'m>)>,
+    pub to_fetched: Vec<(String, Forward<'m>)>,
+}
+
+impl<'m> Backwards<'m> {
+    pub fn new(m: &'m Builder, parameters: UnitParameters) -> Self {
+        let UnitParameters { contexts, step: StepParameters { features, node, .. }, .. } = parameters;
+        let width = bits(contexts);
+        let taken = ["start_taken", "block_taken", "fault_taken"].map(|name| m.forward(name, 1));
+        let [releases, take, limits, step, fetches, job_ready] =
+            ["releases", "take", "limits_read", "step_read", "fetches", "job_ready"].map(|name| m.forward(name, 1));
+        let [hit_context, take_context, limits_context, step_context, fetch_context] =
+            ["hit_context", "take_context", "limits_context", "step_context", "fetch_context"]
+                .map(|name| m.forward(name, width));
+        let all = |paths: &[(&str, u32)]| -> Vec<(String, Forward<'m>)> {
+            paths.iter().map(|(name, width)| (name.to_string(), m.forward(name, *width))).collect()
+        };
+        let decoder = (node == NodeKind::Quantised).then(|| {
+            [("decodes", 1), ("decodes_context", width), ("issue_ready", 1)].map(|(name, w)| m.forward(name, w))
+        });
+        let [fetch_count, fetch_extent] =
+            [("fetch_count", 2), ("fetch_extent", 32)].map(|(name, w)| m.forward(name, w));
+        let of_instances = |paths| if features.instances { all(paths) } else { Vec::new() };
+        Self {
+            taken,
+            releases: (releases, hit_context),
+            take: (take, take_context),
+            limits: (limits, limits_context),
+            step: (step, step_context),
+            fetch: (fetches, fetch_context),
+            fetch_count,
+            fetch_extent,
+            job_ready,
+            decoder,
+            to_rays: of_instances(&[
+                ("job_inside", 1),
+                ("transformed_valid", 1),
+                ("transformed_is_last", 1),
+                ("transformed_context", width),
+                ("transformed_x", 32),
+                ("transformed_y", 32),
+                ("transformed_z", 32),
+            ]),
+            to_fetched: of_instances(&[("fetch_is_instance", 1), ("fetch_inside", 1)]),
+        }
+    }
+
+    /// The ray is read when its job comes next: with quantised nodes, when the block leaves the decoder.
+    pub fn job(&self) -> Access<'m> {
+        let (read, context) = self.decoder.map_or(self.take, |[decodes, context, _]| (decodes, context));
+        (read.wire(), context.wire())
+    }
+}
