@@ -3,8 +3,10 @@
 //! An [`Item`] states a claim, names its oracle, and runs the check: it takes a [`Request`] and returns a [`Verdict`].
 //! The crates `raypath-verify-arithmetic`, `raypath-verify-datapath`, `raypath-verify-traversal` and
 //! `raypath-verify-mutation` have the items. [`sat`] proves that two functions are equal, [`equivalence`] that two
-//! modules are, and [`safety`] that assertions hold in all cycles. [`proofs`] keeps their results.
+//! modules are, and [`safety`] that assertions hold in all cycles. [`proofs`] keeps their results. A [`campaign`] runs
+//! random cases on all cores.
 
+pub mod campaign;
 pub mod dyadic;
 pub mod equivalence;
 mod error;

@@ -99,3 +99,14 @@ pub struct Verdict {
     /// Whether the user stopped the run before its end.
     pub is_stopped: bool,
 }
+
+impl Verdict {
+    /// The verdict on both of two works.
+    pub fn and(mut self, other: Self) -> Self {
+        self.covered = format!("{}; {}", self.covered, other.covered);
+        self.failures.extend(other.failures);
+        self.remarks.extend(other.remarks);
+        self.is_stopped |= other.is_stopped;
+        self
+    }
+}

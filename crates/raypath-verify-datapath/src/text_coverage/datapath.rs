@@ -1,7 +1,6 @@
 //! A datapath, with the jobs and handshakes of campaigns.
 
 use crate::campaign::Episode;
-use crate::layout::Layout;
 use crate::subjects::Subject;
 use raypath_hdl::Module;
 use raypath_model::{OperationId, Shape, WordModel};
