@@ -2,7 +2,7 @@ use super::trial::compared;
 use super::*;
 use raypath_float::Format;
 use raypath_hdl::Builder;
-use raypath_rtl::{Config, Control, Datapath, Interval, Lanes};
+use raypath_rtl::{Config, Interval, Lanes};
 use raypath_verify::equivalence::Equivalence;
 
 fn killed() -> Fate {
