@@ -26,6 +26,7 @@
 //! # Ok::<(), raypath_tools::ToolError>(())
 //! ```
 
+#[cfg(feature = "cache")]
 mod abc;
 #[cfg(feature = "cache")]
 mod cache;
@@ -52,6 +53,7 @@ mod verilator_stream;
 mod versions;
 mod yosys;
 
+#[cfg(feature = "cache")]
 pub use abc::Abc;
 #[cfg(feature = "cache")]
 pub use cache::{Cache, Key, MAX_RESULT_BYTES, decode, digest};

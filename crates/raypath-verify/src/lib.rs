@@ -3,13 +3,14 @@
 //! An [`Item`] states a claim, names its oracle, and runs the check: it takes a [`Request`] and returns a [`Verdict`].
 //! The crates `raypath-verify-arithmetic`, `raypath-verify-datapath`, `raypath-verify-traversal` and
 //! `raypath-verify-mutation` have the items. [`sat`] proves that two functions are equal, [`equivalence`] that two
-//! modules are, and [`safety`] that assertions hold in all cycles.
+//! modules are, and [`safety`] that assertions hold in all cycles. [`proofs`] keeps their results.
 
 pub mod dyadic;
 pub mod equivalence;
 mod error;
 pub mod files;
 mod item;
+pub mod proofs;
 mod request;
 pub mod safety;
 pub mod sat;

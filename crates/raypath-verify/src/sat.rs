@@ -8,11 +8,13 @@ mod aiger;
 mod certificate;
 
 use crate::error::Error;
+use crate::proofs::{cache, kept};
 use aiger::Aiger;
 pub use aiger::header;
 pub use certificate::Certificate;
 use certificate::Certifier;
-use raypath_tools::{Abc, ToolError, Yosys, YosysKind, read, temporary_folder, write};
+use raypath_tools::{Abc, Cache, Key, ToolError, Yosys, YosysKind, read, temporary_folder, write};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -33,7 +35,7 @@ pub struct Miter {
 }
 
 /// The result of a proof.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProofResult {
     /// The output is 0 for all inputs.
     Proved {
@@ -56,18 +58,25 @@ const EVALUATED: &str = "evaluated problem ";
 /// The prefix of a source's file name in [`Miter::commands`].
 pub const SOURCE: &str = "@/";
 
-/// Yosys with its command `symfpu`, and ABC.
+/// Yosys with its command `symfpu`, and ABC. Results are kept ([`crate::proofs`]).
 #[derive(Debug, Clone)]
 pub struct Prover {
     yosys: Yosys,
     abc: Abc,
     certifier: Option<Certifier>,
+    cache: Cache,
 }
+
+/// What the cache has of a problem: its result, and the limit of its certificate in seconds.
+type Kept = (ProofResult, u64);
 
 /// The commands that convert the module `miter` to and-gates. An undriven wire becomes an input, which the check of the
 /// inputs rejects; otherwise optimisation would choose its value.
 const TO_GATES: &str = "hierarchy -check -top miter; flatten; setundef -undriven -anyseq; opt -full; techmap; opt; aigmap; \
                         opt_clean";
+
+/// ABC's commands. Their limit on conflicts is never reached: time decides.
+const TO_CONSTANT: &str = "&get; &cec -m -C 1000000000; write_cex example";
 
 impl Prover {
     /// Finds the Python module `pyosys`, and its ABC or Debian's.
@@ -75,7 +84,13 @@ impl Prover {
     /// # Errors
     /// A program is missing; the message says how to install it.
     pub fn find() -> Result<Self, Error> {
-        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, abc: Abc::find()?, certifier: None })
+        let (yosys, abc) = (Yosys::find(Some(YosysKind::Python))?, Abc::find()?);
+        Ok(Self { yosys, abc, certifier: None, cache: cache() })
+    }
+
+    /// Keeps results in this folder instead of [`crate::proofs::FOLDER`].
+    pub fn keeping_in(self, folder: &Path) -> Self {
+        Self { cache: Cache::new(folder), ..self }
     }
 
     /// Also finds CaDiCaL, which repeats each proof in at most `limit`, with a certificate that is checked.
@@ -96,25 +111,56 @@ impl Prover {
         }
     }
 
-    /// Solves problems one after the other, in at most `limit` each. Yosys runs once for all of them.
+    /// Solves problems one after the other, in at most `limit` each. Yosys runs once for all whose result is not kept.
     ///
     /// # Errors
-    /// A program fails, or a circuit has other inputs or outputs than its problem states.
+    /// A program fails, or a circuit has other inputs or outputs than its problem states; a result cannot be written.
     pub fn solve(&self, problems: &[Miter], limit: Duration, stop: &AtomicBool) -> Result<Vec<ProofResult>, Error> {
-        let folder = temporary_folder()?;
-        let graphs = match self.graphs(folder.path(), problems, stop)? {
-            Some(graphs) => graphs,
-            None => return Ok(vec![ProofResult::Stopped; problems.len()]),
-        };
-        graphs.iter().map(|graph| self.prove(folder.path(), graph, limit, stop)).collect()
+        let keys: Vec<Key> = problems.iter().map(|problem| self.key(problem)).collect();
+        let mut results: Vec<Option<ProofResult>> = keys.iter().map(|key| self.known(key)).collect();
+        let open: Vec<usize> = (0..problems.len()).filter(|&number| results[number].is_none()).collect();
+        if !open.is_empty() {
+            let folder = temporary_folder()?;
+            let problems: Vec<&Miter> = open.iter().map(|&number| &problems[number]).collect();
+            let graphs = self.graphs(folder.path(), &problems, stop)?.unwrap_or_default();
+            for (&number, graph) in open.iter().zip(&graphs) {
+                let result = self.prove(folder.path(), graph, limit, stop)?;
+                if matches!(result, ProofResult::Proved { .. } | ProofResult::Refuted(_)) {
+                    self.cache.put(&keys[number], &(&result, self.certificate_seconds()))?;
+                }
+                results[number] = Some(result);
+            }
+        }
+        Ok(results.into_iter().map(|result| result.unwrap_or(ProofResult::Stopped)).collect())
+    }
+
+    /// The name of a problem's result: a digest of all that the result depends on.
+    fn key(&self, problem: &Miter) -> Key {
+        let inputs = problem.inputs.iter().map(|(name, width)| format!("{name} {width}"));
+        let state = if self.certifier.is_some() { "certified" } else { "not certified" };
+        let counts = format!("{} texts, {} inputs, {state}", problem.sources.len(), problem.inputs.len());
+        let others: Vec<String> = [counts, self.versions()].into_iter().chain(inputs).collect();
+        let texts = problem.sources.iter().flat_map(|(name, text)| [name, text]).chain(&problem.commands);
+        let parts: Vec<&str> = others.iter().chain(texts).map(String::as_str).chain([TO_GATES, TO_CONSTANT]).collect();
+        Key::new("sat", &parts)
+    }
+
+    /// The kept result, unless its certificate was too long for a shorter limit than this one.
+    fn known(&self, key: &Key) -> Option<ProofResult> {
+        let (result, seconds) = self.cache.get::<Kept>(key)?;
+        let is_open = matches!(result, ProofResult::Proved { certificate: Certificate::TooLong, .. });
+        (!is_open || seconds >= self.certificate_seconds()).then_some(result)
+    }
+
+    fn certificate_seconds(&self) -> u64 {
+        self.certifier.as_ref().map_or(0, |certifier| certifier.limit.as_secs())
     }
 
     /// Proves with ABC that a graph's output is 0.
     fn prove(&self, folder: &Path, graph: &Aiger, limit: Duration, stop: &AtomicBool) -> Result<ProofResult, Error> {
         let example = folder.join("example");
         let _ = fs::remove_file(&example);
-        // A limit on conflicts that is never reached: time decides.
-        let commands = format!("read_aiger {}; &get; &cec -m -C 1000000000; write_cex example", graph.file);
+        let commands = format!("read_aiger {}; {TO_CONSTANT}", graph.file);
         let Some(output) = self.abc.run(folder, &commands, limit, stop)? else {
             let timeout = || ProofResult::Undecided(format!("no answer within {} s", limit.as_secs()));
             return Ok(if stop.load(Ordering::Relaxed) { ProofResult::Stopped } else { timeout() });
@@ -165,8 +211,19 @@ impl Prover {
         }
     }
 
-    /// The values of wires of miters, for the inputs of each.
+    /// The values of wires of miters, for the inputs of each; kept like proofs.
     fn evaluate_all(
+        &self,
+        problems: &[(&Miter, &BTreeMap<String, u64>)],
+        wires: &[&str],
+    ) -> Result<Vec<Vec<u64>>, Error> {
+        let asked = problems.iter().map(|(problem, values)| format!("{} {values:?}", self.key(problem).as_str()));
+        let asked: Vec<String> = asked.chain([format!("{wires:?}")]).collect();
+        let key = Key::new("values", &asked.iter().map(String::as_str).collect::<Vec<_>>());
+        kept(&self.cache, &key, |_| true, || self.evaluate_now(problems, wires))
+    }
+
+    fn evaluate_now(
         &self,
         problems: &[(&Miter, &BTreeMap<String, u64>)],
         wires: &[&str],
@@ -208,7 +265,7 @@ impl Prover {
     }
 
     /// Writes the problems as graphs into a folder; none if the run was stopped.
-    fn graphs(&self, folder: &Path, problems: &[Miter], stop: &AtomicBool) -> Result<Option<Vec<Aiger>>, Error> {
+    fn graphs(&self, folder: &Path, problems: &[&Miter], stop: &AtomicBool) -> Result<Option<Vec<Aiger>>, Error> {
         let mut script = String::new();
         for (number, problem) in problems.iter().enumerate() {
             script += &write_sources(problem, folder, number)?;

@@ -21,14 +21,13 @@ use raypath_float::{
     DivSqrt, Format, Narrow, add, compare, div, mul, mul_inferred_parts, mul_narrow_parts, narrow, sqrt, sum_parts,
 };
 use raypath_hdl::Module;
-use raypath_tools::{Cache, Key, ToolError, pool};
+use raypath_tools::{ToolError, pool};
 use raypath_verify::sat::{Certificate, Miter, ProofResult, Prover};
 use raypath_verify::{Error, Level, Progress, Request, Verdict};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Proves the level's claims. Shards divide the claims.
 ///
@@ -37,7 +36,7 @@ use std::time::{Duration, Instant};
 pub fn unit_proofs(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let claims: Vec<(Claim, bool)> = claims(request.level).map(|claim| (claim, true)).collect();
     let shard = request.shard;
-    let (results, versions) = prove(&claims, |number| shard.takes(number), None, request)?;
+    let (results, versions) = prove(&claims, |number| shard.takes(number), request)?;
     let is_proved = |done: &&ClaimResult| done.outcome.is_ok();
     let proved: Vec<String> = results.iter().flatten().filter(is_proved).map(|done| done.claim.to_string()).collect();
     let covered = match proved.len() {
@@ -48,7 +47,7 @@ pub fn unit_proofs(request: &mut Request<'_>) -> Result<Verdict, Error> {
 }
 
 /// The result of a claim in a part: the fields of [`ClaimResult`] but the claim, which its number gives.
-type Proof = (Result<Certificate, String>, Option<String>, bool);
+type Proof = (Result<Certificate, String>, Option<String>);
 
 /// How long CaDiCaL may take for the certificate of a proof.
 fn certificate_limit(level: Level) -> Duration {
@@ -73,7 +72,6 @@ fn certificates<'a>(proofs: impl Iterator<Item = (&'a str, &'a Certificate)>) ->
 fn prove(
     claims: &[(Claim, bool)],
     mine: impl Fn(u64) -> bool,
-    cache: Option<&Cache>,
     request: &mut Request<'_>,
 ) -> Result<(Vec<Option<ClaimResult>>, String), Error> {
     let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
@@ -81,8 +79,8 @@ fn prove(
         let prover = Prover::with_certificates(certificate_limit(request.level))?;
         let numbers: Vec<u64> = (0..claims.len() as u64).filter(|&number| mine(number)).collect();
         let chosen: Vec<(Claim, bool)> = numbers.iter().map(|&number| claims[number as usize]).collect();
-        let results = prove_all(&prover, &chosen, cache, limit, request.proceed)?;
-        let proof = |result: ClaimResult| (result.outcome, result.found_fault, result.is_cached);
+        let results = prove_all(&prover, &chosen, limit, request.proceed)?;
+        let proof = |result: ClaimResult| (result.outcome, result.found_fault);
         let proofs: Vec<(u64, Option<Proof>)> =
             numbers.into_iter().zip(results).map(|(number, result)| (number, result.map(proof))).collect();
         Ok::<_, Error>((prover.versions(), proofs))
@@ -93,41 +91,21 @@ fn prove(
     let proofs: BTreeMap<u64, Option<Proof>> = shards.into_iter().flat_map(|(_, proofs)| proofs).collect();
     let result = |(number, proof): (u64, Option<Proof>)| {
         let (claim, _) = *claims.get(number as usize)?;
-        Some(proof.map(|(outcome, found_fault, is_cached)| ClaimResult { claim, outcome, found_fault, is_cached }))
+        Some(proof.map(|(outcome, found_fault)| ClaimResult { claim, outcome, found_fault }))
     };
     Ok((proofs.into_iter().filter_map(result).collect(), versions))
 }
 
-/// Proves claims on all cores. A claim without its fault is not proved again if the cache has its proof.
+/// Proves claims on all cores.
 fn prove_all(
     prover: &Prover,
     claims: &[(Claim, bool)],
-    cache: Option<&Cache>,
     limit: Duration,
     proceed: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Vec<Option<ClaimResult>>, Error> {
     pool::map(claims, pool::ALL_CORES, proceed, |&(claim, with_fault), stop| {
-        let Some(cache) = cache else { return check(prover, claim, with_fault, limit, stop) };
-        let key = proof_key(&claim.miter(false)?, &prover.versions());
-        if !with_fault && let Some((_, certificate)) = cache.get::<(String, Certificate)>(&key) {
-            return Ok(Some(ClaimResult { claim, outcome: Ok(certificate), found_fault: None, is_cached: true }));
-        }
-        let begin = Instant::now();
-        let result = check(prover, claim, with_fault, limit, stop)?;
-        if let Some(Ok(certificate)) = result.as_ref().map(|result| &result.outcome) {
-            let time = format!("{claim}: proved in {:.1} s", begin.elapsed().as_secs_f64());
-            cache.put(&key, &(time, certificate))?;
-        }
-        Ok(result)
+        check(prover, claim, with_fault, limit, stop)
     })
-}
-
-/// The name of a proof in the cache: a digest of the circuit's text, the commands and the programs' versions, so that
-/// the proof of a unit that has changed since is not found.
-fn proof_key(problem: &Miter, versions: &str) -> Key {
-    let texts = problem.sources.iter().flat_map(|(name, text)| [name, text]).chain(&problem.commands);
-    let parts: Vec<&str> = texts.map(String::as_str).chain([versions]).collect();
-    Key::new("proof", &parts)
 }
 
 fn verdict(results: &[Option<ClaimResult>], covered: String, first_remark: String) -> Verdict {
@@ -155,8 +133,6 @@ pub struct ClaimResult {
     pub outcome: Result<Certificate, String>,
     /// The remark on the fault and the operands that showed it, if the negative control ran and found it.
     pub found_fault: Option<String>,
-    /// Whether the proof was in the cache.
-    pub is_cached: bool,
 }
 
 /// Proves a claim. With `with_fault`, also refutes it by the same commands for the unit with the subject's fault.
@@ -199,7 +175,7 @@ pub fn check(
             other => outcome = Err(format!("{claim}: a deliberate fault is not found: {other:?}")),
         }
     }
-    Ok(Some(ClaimResult { claim, outcome, found_fault, is_cached: false }))
+    Ok(Some(ClaimResult { claim, outcome, found_fault }))
 }
 
 /// Operands for which the results of unit and reference differ.
@@ -368,14 +344,10 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
     })
 }
 
-/// The folder of the proof cache, relative to the working directory.
-const CASES_FOLDER: &str = "build/verify/proofs";
-
-/// Proves binary32 addition in the level's cases; at level `full` in all, which cover all pairs of operands. Cached
-/// proofs are not repeated. Shards divide the cases.
+/// Proves binary32 addition in the level's cases; at level `full` in all, which cover all pairs of operands. Shards divide the cases.
 ///
 /// # Errors
-/// A program is missing or fails, or the folder cannot be written.
+/// A program is missing or fails.
 pub fn adder_proof(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let case = |operands| Claim { subject: Subject::Add, format: Format::BINARY32, operands };
     let all = adder_cases();
@@ -417,19 +389,15 @@ struct Cases {
 
 impl Cases {
     fn prove(self, request: &mut Request<'_>) -> Result<Verdict, Error> {
-        let cache = Cache::new(Path::new(CASES_FOLDER));
         let cases = self.chosen.iter().map(|claim| (*claim, false));
         let work: Vec<(Claim, bool)> = std::iter::once((self.fault, true)).chain(cases).collect();
         // The negative control runs every time, in every shard.
         let shard = request.shard;
         let is_mine = |number: u64| number.checked_sub(1).is_none_or(|case| shard.takes(case));
-        let (results, versions) = prove(&work, is_mine, Some(&cache), request)?;
-        let rest = || results.iter().skip(1).flatten();
-        let proved = rest().filter(|case| case.outcome.is_ok()).count();
-        let cached = rest().filter(|case: &&ClaimResult| case.is_cached).count();
+        let (results, versions) = prove(&work, is_mine, request)?;
+        let proved = results.iter().skip(1).flatten().filter(|case| case.outcome.is_ok()).count();
         let covered = format!("{}, {proved} of {} cases proved", self.what, self.total);
-        let remark = format!("with {versions}; {cached} of these proofs were cached");
-        let mut verdict = verdict(&results, covered, remark);
+        let mut verdict = verdict(&results, covered, format!("with {versions}"));
         if self.chosen.len() < self.total {
             let (level, chosen) = (request.level.name(), self.chosen.len());
             verdict.remarks.push(format!("level {level} proves {chosen} of {} cases", self.total));
@@ -441,23 +409,6 @@ impl Cases {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn only_the_same_proof_has_the_same_key() {
-        let key = |text: &str, command: &str, versions: &str| {
-            let problem = Miter {
-                name: "test".to_string(),
-                sources: vec![("unit.sv".to_string(), text.to_string())],
-                commands: vec![command.to_string()],
-                inputs: Vec::new(),
-            };
-            proof_key(&problem, versions)
-        };
-        assert_eq!(key("x", "proc", "1"), key("x", "proc", "1"));
-        for other in [key("y", "proc", "1"), key("x", "opt", "1"), key("x", "proc", "2")] {
-            assert_ne!(other, key("x", "proc", "1"));
-        }
-    }
 
     #[test]
     fn the_cases_of_addition_leave_no_difference_out() {

@@ -1,11 +1,11 @@
 //! The model checker: Yosys and ABC on a module with assertions.
 
 use crate::error::Error;
+use crate::proofs::{cache, kept};
 use crate::sat::header;
-use raypath_tools::{Abc, ToolError, Yosys, YosysKind, read, temporary_folder, write};
-use std::collections::HashMap;
+use raypath_tools::{Abc, Cache, Key, ToolError, Yosys, YosysKind, digest, read, temporary_folder, write};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -38,7 +38,7 @@ pub enum Method {
 }
 
 /// The result of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CheckResult {
     /// No assertion fails in the cycles that the method covers.
     Holds,
@@ -48,13 +48,13 @@ pub enum CheckResult {
     Undecided,
 }
 
-/// Yosys and ABC, with a cache of results.
+/// Yosys and ABC. Results are kept ([`crate::proofs`]), by the text and by the graph that ABC checks, which different
+/// texts may have.
 #[derive(Debug)]
 pub struct ModelChecker {
     yosys: Yosys,
     abc: Abc,
-    /// Results by method and graph.
-    results: Mutex<HashMap<(Method, Vec<u8>), CheckResult>>,
+    cache: Cache,
 }
 
 /// The time limit for a problem.
@@ -71,6 +71,10 @@ const TO_GRAPH: &str = "proc; flatten; memory; delete t:raypath_fp_* t:raypath_n
                         async2sync; chformal -lower; opt_clean; techmap; opt; setundef -undriven -anyseq; dffunmap; opt_clean; \
                         aigmap; opt_clean";
 
+/// ABC's commands before the check. Constraints become outputs (fold), all outputs become one, and logic that it does not
+/// depend on is removed.
+const REDUCE: &str = "read_aiger problem.aig; fold; strash; orpos; scleanup; trim; write_aiger reduced.aig";
+
 impl ModelChecker {
     /// Finds the Python module `pyosys`, and its ABC or Debian's.
     ///
@@ -78,54 +82,67 @@ impl ModelChecker {
     /// A program is missing.
     pub fn find() -> Result<Self, Error> {
         let yosys = Yosys::find(Some(YosysKind::Python))?;
-        Ok(Self { yosys, abc: Abc::find()?, results: Mutex::default() })
+        Ok(Self { yosys, abc: Abc::find()?, cache: cache() })
+    }
+
+    /// Keeps results in this folder instead of [`crate::proofs::FOLDER`].
+    pub fn keeping_in(self, folder: &Path) -> Self {
+        Self { cache: Cache::new(folder), ..self }
     }
 
     /// Checks a problem; none if `stop` is set meanwhile.
     ///
     /// # Errors
-    /// A program fails, or another number of assertions than stated reaches ABC.
+    /// A program fails, or another number of assertions than stated reaches ABC; a result cannot be written.
     pub fn check(&self, problem: &SafetyProblem, stop: &AtomicBool) -> Result<Option<CheckResult>, Error> {
-        let folder = temporary_folder()?;
-        let folder = folder.path();
-        write(&folder.join("problem.sv"), &problem.text)?;
         let script = format!(
             "read_verilog -sv -formal problem.sv\nhierarchy -check -top {}\n{TO_GRAPH}\nwrite_aiger -zinit -B problem.aig\n",
             problem.top
         );
-        write(&folder.join("script"), &script)?;
-        match self.yosys.run(folder, "script", &problem.name, stop) {
-            Err(ToolError::Stopped) => return Ok(None),
-            other => other?,
-        }
-        check_graph(folder, problem)?;
-        // Constraints become outputs (fold), all outputs become one, and logic that it does not depend on is removed.
-        let reduce = "read_aiger problem.aig; fold; strash; orpos; scleanup; trim; write_aiger reduced.aig";
-        if self.abc.run(folder, reduce, LIMIT, stop)?.is_none() {
-            return Ok(None);
-        }
-        let graph = read(&folder.join("reduced.aig"))?;
-        // ABC's comment at the end holds the time.
-        let key = (problem.method, without_comment(graph));
-        let known = self.results.lock().ok().and_then(|results| results.get(&key).copied());
-        if known.is_some() {
-            return Ok(known);
-        }
         let method = match problem.method {
             Method::Unbounded => "pdr".to_string(),
             Method::Inductive => format!("bmc3 -F {BASE_CYCLES}; print_status; ind -F {MAX_DEPTH}"),
             Method::Bounded(cycles) => format!("bmc3 -F {cycles}"),
         };
-        let commands = format!("read_aiger reduced.aig; {method}; print_status");
-        let Some(output) = self.abc.run(folder, &commands, LIMIT, stop)? else {
-            return Ok((!stop.load(Ordering::Relaxed)).then_some(CheckResult::Undecided));
-        };
-        let result = result(&output, problem.method);
-        if let Ok(mut results) = self.results.lock() {
-            results.insert(key, result);
-        }
-        Ok(Some(result))
+        let (yosys, abc, assertions) = (&self.yosys.version, &self.abc.version, problem.assertions.to_string());
+        let key = Key::new("safety", &[&problem.text, &script, &assertions, REDUCE, &method, yosys, abc]);
+        kept(&self.cache, &key, is_final, || self.check_text(problem, &script, &method, stop))
     }
+
+    fn check_text(
+        &self,
+        problem: &SafetyProblem,
+        script: &str,
+        method: &str,
+        stop: &AtomicBool,
+    ) -> Result<Option<CheckResult>, Error> {
+        let folder = temporary_folder()?;
+        let folder = folder.path();
+        write(&folder.join("problem.sv"), &problem.text)?;
+        write(&folder.join("script"), script)?;
+        match self.yosys.run(folder, "script", &problem.name, stop) {
+            Err(ToolError::Stopped) => return Ok(None),
+            other => other?,
+        }
+        check_graph(folder, problem)?;
+        if self.abc.run(folder, REDUCE, LIMIT, stop)?.is_none() {
+            return Ok(None);
+        }
+        // ABC's comment at the end holds the time.
+        let graph = digest(&without_comment(read(&folder.join("reduced.aig"))?));
+        let key = Key::new("graph", &[&graph, method, &self.abc.version]);
+        kept(&self.cache, &key, is_final, || {
+            let commands = format!("read_aiger reduced.aig; {method}; print_status");
+            let output = self.abc.run(folder, &commands, LIMIT, stop)?;
+            let undecided = (!stop.load(Ordering::Relaxed)).then_some(CheckResult::Undecided);
+            Ok(output.map_or(undecided, |output| Some(result(&output, problem.method))))
+        })
+    }
+}
+
+/// Whether a result does not depend on the time that a check had.
+fn is_final(result: &Option<CheckResult>) -> bool {
+    matches!(result, Some(CheckResult::Holds | CheckResult::Fails))
 }
 
 /// Checks that the graph has the problem's number of assertions, and state and gates.

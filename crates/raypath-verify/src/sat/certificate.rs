@@ -37,7 +37,7 @@ pub enum Certificate {
 #[derive(Debug, Clone)]
 pub struct Certifier {
     pub solver: Cadical,
-    limit: Duration,
+    pub limit: Duration,
 }
 
 impl Certifier {
