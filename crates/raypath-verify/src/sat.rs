@@ -277,8 +277,8 @@ impl Prover {
             Err(ToolError::Stopped) => return Ok(None),
             other => other?,
         }
-        let read = |(number, problem)| Aiger::read(folder, number, problem);
-        problems.iter().enumerate().map(read).collect::<Result<_, _>>().map(Some)
+        let graphs = problems.iter().enumerate().map(|(number, problem)| Aiger::read(folder, number, problem));
+        graphs.collect::<Result<_, _>>().map(Some)
     }
 }
 
