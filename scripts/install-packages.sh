@@ -42,7 +42,6 @@ debian cmake cmake
 debian pkg-config pkg-config
 debian /usr/include/systemc.h libsystemc-dev
 debian yosys yosys
-debian cadical cadical
 debian sta opensta
 debian chromium chromium
 debian /usr/share/qflow/tech/osu018/osu018_stdcells.lib qflow-tech-osu018

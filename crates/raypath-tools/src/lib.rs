@@ -1,7 +1,7 @@
 //! External programs: how they are found, run and stopped, and how their results are cached.
 //!
 //! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] and
-//! [`SmtSolver`] prove, and [`Cadical`] certifies. [`Verilated`] is SystemVerilog compiled by Verilator, an
+//! [`SmtSolver`] prove. [`Verilated`] is SystemVerilog compiled by Verilator, an
 //! implementation of the language that is independent of `raypath-hdl`'s simulator, so that the two can be compared
 //! cycle by cycle. [`FourState`] simulates it with unknown values. [`Sources::lint`] runs the linters.
 //!
@@ -30,7 +30,6 @@
 mod abc;
 #[cfg(feature = "cache")]
 mod cache;
-mod cadical;
 mod error;
 mod files;
 mod four_state;
@@ -50,6 +49,7 @@ mod verilator;
 mod verilator_coverage;
 mod verilator_main;
 mod verilator_stream;
+#[cfg(feature = "cache")]
 mod versions;
 mod yosys;
 
@@ -57,7 +57,6 @@ mod yosys;
 pub use abc::Abc;
 #[cfg(feature = "cache")]
 pub use cache::{Cache, Key, MAX_RESULT_BYTES, decode, digest};
-pub use cadical::Cadical;
 pub use error::ToolError;
 pub use files::{read, temporary_folder, write};
 pub use four_state::{FourState, KnownWord};
@@ -71,5 +70,6 @@ pub use smt::SmtSolver;
 pub use sources::Sources;
 pub use verilator::{Options, Verilated, VerilatedStream};
 pub use verilator_coverage::{CoverageKind, CoveragePoint};
+#[cfg(feature = "cache")]
 pub use versions::versions;
 pub use yosys::{Yosys, YosysKind};

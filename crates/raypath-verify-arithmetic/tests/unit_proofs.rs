@@ -1,10 +1,9 @@
-//! Proofs of units: both multiplications of binary32, of which level `regression` proves one, and claims about faulty
-//! units, which are refuted. The item `unit-proofs` proves the others.
+//! Proofs of units: what is no proof, and claims about faulty units. The items prove the claims.
 
 use raypath_float::Format;
 use raypath_verify::Request;
 use raypath_verify::sat::{Miter, ProofResult, Prover, SOURCE};
-use raypath_verify_arithmetic::units::proofs::{Claim, Subject, check, multiplication, unit_proofs};
+use raypath_verify_arithmetic::units::proofs::{Operands, Subject, Unit, multiplication, unit_proofs};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -25,52 +24,39 @@ fn solve(problem: Miter) -> Result<Vec<ProofResult>, raypath_verify::Error> {
     Prover::find()?.solve(&[problem], LIMIT, &AtomicBool::new(false))
 }
 
-/// The multipliers of binary32, of gates and with `*`, with a fault for each lemma.
-#[test]
-fn multiplication_of_binary32_is_proved() {
-    let mut watch = |_| true;
-    let verdict = multiplication(&mut Request::new(&mut watch)).unwrap();
-    assert_eq!(verdict.failures, [""; 0]);
-    let expected = "2 theorems, and 25 faults refuted: multiplication at (8,24) by 20 lemmas; multiplication with * at \
-                    (8,24) by 5 lemmas";
-    assert_eq!(verdict.covered, expected);
-    let certified = "25 proofs repeated by CaDiCaL, each step of their certificates checked";
-    assert_eq!((verdict.remarks.len(), verdict.remarks[1].as_str()), (27, certified), "{:#?}", verdict.remarks);
-    assert!(!verdict.is_stopped);
-}
-
 #[test]
 fn a_stop_is_heeded() {
     let mut watch = |_| false;
-    let verdict = unit_proofs(&mut Request::new(&mut watch)).unwrap();
-    assert!(verdict.is_stopped && verdict.failures.is_empty());
-    assert_eq!(verdict.covered, "nothing proved");
-    let verdict = multiplication(&mut Request::new(&mut watch)).unwrap();
-    assert!(verdict.is_stopped && verdict.failures.is_empty());
+    for run in [unit_proofs, multiplication] {
+        let verdict = run(&mut Request::new(&mut watch)).unwrap();
+        assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
+        assert!(verdict.covered.starts_with("0 of "), "{verdict:?}");
+    }
 }
 
-/// The claim about a faulty unit is refuted, with operands.
+/// The claim about a faulty unit is refuted, with operands whose words are those of the fault.
 #[test]
 fn a_faulty_unit_fails_with_operands() {
     let format = Format::new(3, 4).unwrap();
-    let claim = Claim::all(Subject::Mul, format);
-    let faulty = claim.miter(true).unwrap();
-    let prover = Prover::find().unwrap();
-    let answers = prover.solve(std::slice::from_ref(&faulty), LIMIT, &AtomicBool::new(false)).unwrap();
-    let ProofResult::Refuted(values) = &answers[0] else { panic!("{answers:?}") };
-    let shown = prover.evaluate(&faulty, values, &["a", "b", "ours", "wanted"]).unwrap();
-    // The software's product of the same operands.
-    assert_eq!(shown[3], format.mul(shown[0], shown[1]));
-    assert_ne!(shown[2], shown[3]);
+    let claim = Subject::Rounds(Unit::Mul, Operands::All).claim(format).unwrap();
+    let miters = [claim.miter(false).unwrap(), claim.miter(true).unwrap()];
+    let folder = tempfile::tempdir().unwrap();
+    let prover = Prover::find().unwrap().keeping_in(folder.path());
+    let answers = prover.solve(&miters, LIMIT, &AtomicBool::new(false)).unwrap();
+    let [ProofResult::Proved { .. }, ProofResult::Refuted(values)] = &answers[..] else { panic!("{answers:?}") };
+    // The fault is where a product is half the least subnormal number.
+    let product = format.to_f64(values["a"]) * format.to_f64(values["b"]);
+    assert!(product.abs() < format.to_f64(1), "{values:x?}");
 }
 
 #[test]
 fn a_timeout_is_not_a_proof() {
-    let claim = Claim::all(Subject::Mul, Format::BINARY16);
+    let claim = Subject::Rounds(Unit::Mul, Operands::All).claim(Format::BINARY16).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let prover = Prover::find().unwrap().keeping_in(folder.path());
     let limit = Duration::from_millis(1);
-    let done = check(&Prover::find().unwrap(), claim, false, limit, &AtomicBool::new(false)).unwrap().unwrap();
-    let why = done.outcome.unwrap_err();
-    assert!(why.contains("undecided"), "{why}");
+    let answers = prover.solve(&[claim.miter(false).unwrap()], limit, &AtomicBool::new(false)).unwrap();
+    assert!(matches!(&answers[..], [ProofResult::Undecided(_)]), "{answers:?}");
 }
 
 #[test]

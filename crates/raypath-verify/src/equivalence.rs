@@ -37,7 +37,7 @@ impl Prover {
     ) -> Result<Vec<Equivalence>, Error> {
         let exposed: Vec<[Arc<Module>; 2]> =
             pairs.iter().map(|(original, changed)| [expose_registers(original), expose_registers(changed)]).collect();
-        let miters: Vec<Miter> = exposed.iter().map(miter).collect::<Result<_, _>>()?;
+        let miters: Vec<Miter> = exposed.iter().map(of_exposed).collect::<Result<_, _>>()?;
         let results = self.solve(&miters, limit, stop)?;
         results.into_iter().zip(&exposed).map(|(result, pair)| confirmed(result, pair)).collect()
     }
@@ -48,7 +48,15 @@ impl Prover {
 const TO_LOGIC: &str = "proc_clean; proc_prune; proc_init; proc_arst; proc_rom; proc_mux; proc_dlatch; proc_dff; \
                         proc_memwr; proc_clean; opt_expr -keepdc";
 
-fn miter(pair: &[Arc<Module>; 2]) -> Result<Miter, Error> {
+/// The circuit whose output is 1 where the modules differ in an output or in the next value of a register.
+///
+/// # Errors
+/// Ports or registers differ.
+pub fn miter(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Miter, Error> {
+    of_exposed(&[original, changed].map(expose_registers))
+}
+
+fn of_exposed(pair: &[Arc<Module>; 2]) -> Result<Miter, Error> {
     let [original, changed] = pair;
     for (kind, side) in [("inputs", Module::inputs as fn(&Module) -> &[Port]), ("outputs", Module::outputs)] {
         let (expected, found) = (names(original, side(original)), names(changed, side(changed)));

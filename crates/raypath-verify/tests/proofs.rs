@@ -44,9 +44,6 @@ fn the_same_problem_is_solved_once() {
     assert_eq!(prover.solve(&changed, LIMIT, &STOP).expect("results"), vec![ProofResult::Stopped; 4]);
     let again = prover.solve(&[changed[0].clone(), problems[1].clone()], LIMIT, &GO).expect("results");
     assert_eq!(again, solved);
-    // Without a certificate it is another result.
-    let certified = Prover::with_certificates(LIMIT).expect("CaDiCaL").keeping_in(folder.path());
-    assert_eq!(certified.solve(&problems[..1], LIMIT, &STOP).expect("results"), [ProofResult::Stopped]);
 }
 
 fn counter(limit: u32) -> SafetyProblem {

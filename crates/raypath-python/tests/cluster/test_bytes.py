@@ -14,7 +14,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 PICTURE = ("render", "--size", "40x31", "--ao", "1", "--shadows", "--heatmap", "heat.png", "--hits", "hits.txt")
 COMMANDS = [
-    ("verify", "campaign", "models", "boxes", "small-formats", "parsers", "--jobs", "300", "--seed", "5"),
+    ("verify", "campaign", "models", "boxes", "testfloat", "parsers", "--jobs", "300", "--seed", "5"),
     # The simulation follows the merge.
     (*PICTURE, "--timed", "200", "--sweep", "sweep.svg"),
     # Fewer rows than shards.
@@ -64,7 +64,7 @@ def test_files_are_found_by_their_content(program: Path, run: Run, address: str,
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    "items", [("testfloat", "conversions"), ("mutation", "--jobs", "40"), ("control", "unit-proofs")]
+    "items", [("testfloat",), ("mutation", "--jobs", "40"), ("control", "unit-proofs")]
 )
 def test_long_items_have_the_bytes_of_one_machine(
     items: tuple[str, ...], program: Path, run: Run, address: str, tmp_path: Path

@@ -1,6 +1,6 @@
 //! A test bench of the floating-point units: one netlist with all units of a format and common operands.
 
-use raypath_float::{Format, add_parts, compare, decode, encode, mul_inferred_parts, mul_parts};
+use raypath_float::{Format, add, compare, decode, div, encode, mul, sqrt};
 use raypath_hdl::{Builder, Error, InputPort, Module, OutputPort, Simulator, Wire, expose_registers};
 use std::sync::Arc;
 
@@ -13,67 +13,42 @@ pub struct UnitResults {
     pub difference: u64,
     /// `a * b`.
     pub product: u64,
+    /// `a / b`.
+    pub quotient: u64,
+    /// The square root of `a`.
+    pub root: u64,
     /// `a < b`.
     pub less: bool,
     /// `a = b`.
     pub equal: bool,
     /// An operand is NaN.
     pub unordered: bool,
-    /// Which other forms of units differ from the unsplit ones: a bit for each of [`OTHER_RESULTS`], the first one in
-    /// bit 0. An oracle returns 0.
-    pub others_differ: u64,
 }
 
-/// The results that other forms of units compute too: units with registers between their parts, here without the
-/// registers, and the multiplier with `*`.
-pub const OTHER_RESULTS: [&str; 9] = [
-    "sum in two parts",
-    "difference in two parts",
-    "product in two parts",
-    "sum in three parts",
-    "difference in three parts",
-    "product in three parts",
-    "product with *",
-    "product with * in two parts",
-    "product with * in three parts",
-];
-
 /// The output ports of a bench, in the order of [`UnitResults`]'s fields.
-pub const OUTPUTS: [&str; 7] =
-    ["sum_o", "difference_o", "product_o", "less_o", "equal_o", "unordered_o", "others_differ_o"];
+pub const OUTPUTS: [&str; 8] =
+    ["sum_o", "difference_o", "product_o", "quotient_o", "root_o", "less_o", "equal_o", "unordered_o"];
 
 impl UnitResults {
     /// The results from the values of [`OUTPUTS`].
     pub fn from_outputs(outputs: [u64; OUTPUTS.len()]) -> Self {
-        let [sum, difference, product, less, equal, unordered, others_differ] = outputs;
-        Self { sum, difference, product, less: less == 1, equal: equal == 1, unordered: unordered == 1, others_differ }
+        let [sum, difference, product, quotient, root, less, equal, unordered] = outputs;
+        let [less, equal, unordered] = [less, equal, unordered].map(|bit| bit == 1);
+        Self { sum, difference, product, quotient, root, less, equal, unordered }
     }
 
     /// A line for each result that differs from the expected one; `operands` names the operands.
     pub fn mismatches(self, expected: Self, operands: &str) -> Vec<String> {
         let shown = |results: Self| {
-            let numbers = [results.sum, results.difference, results.product].map(|number| format!("{number:#x}"));
+            let Self { sum, difference, product, quotient, root, .. } = results;
+            let numbers = [sum, difference, product, quotient, root].map(|number| format!("{number:#x}"));
             let relations = [results.less, results.equal, results.unordered].map(|holds| holds.to_string());
             numbers.into_iter().chain(relations)
         };
-        let names = ["sum", "difference", "product", "less", "equal", "unordered"];
-        let pairs =
-            names.iter().zip(shown(self).zip(shown(expected))).filter(|(_, (found, expected))| found != expected);
-        let wrong =
-            pairs.map(|(name, (found, expected))| format!("{name} of {operands}: {found}, expected {expected}"));
-        let differing = OTHER_RESULTS.iter().enumerate().filter(|(bit, _)| self.others_differ >> bit & 1 == 1);
-        let wrong_others = differing.map(|(_, name)| format!("{name} of {operands}: differs from the unsplit unit"));
-        wrong.chain(wrong_others).collect()
+        let names = OUTPUTS.iter().map(|output| output.trim_end_matches("_o"));
+        let pairs = names.zip(shown(self).zip(shown(expected))).filter(|(_, (found, expected))| found != expected);
+        pairs.map(|(name, (found, expected))| format!("{name} of {operands}: {found}, expected {expected}")).collect()
     }
-}
-
-/// The encoding of a bench's operands and results.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PortFormat {
-    /// IEEE 754's interchange format, converted by the encoding and decoding units.
-    Ieee,
-    /// The recoded format, without conversion.
-    Recoded,
 }
 
 /// The floating-point units of a format. A test replaces one to insert a fault.
@@ -85,12 +60,14 @@ pub struct Units {
     pub encode: Arc<Module>,
     /// Converts a result from the recoded format to IEEE 754's.
     pub decode: Arc<Module>,
-    /// The adder: unsplit, and joined from two and from three parts.
-    pub add: [Arc<Module>; 3],
-    /// The multiplier: unsplit, and joined from two and from three parts.
-    pub mul: [Arc<Module>; 3],
-    /// The multiplier with `*`, likewise.
-    pub mul_inferred: [Arc<Module>; 3],
+    /// The adder.
+    pub add: Arc<Module>,
+    /// The multiplier.
+    pub mul: Arc<Module>,
+    /// The divider.
+    pub div: Arc<Module>,
+    /// The square root.
+    pub sqrt: Arc<Module>,
     /// The comparator.
     pub compare: Arc<Module>,
 }
@@ -98,79 +75,43 @@ pub struct Units {
 impl Units {
     /// The datapath's units.
     pub fn new(format: Format) -> Result<Self, Error> {
-        Self::of(format, false)
-    }
-
-    /// The units of a datapath with exception flags.
-    pub fn with_flags(format: Format) -> Result<Self, Error> {
-        Self::of(format, true)
-    }
-
-    fn of(format: Format, with_flags: bool) -> Result<Self, Error> {
-        let [add, mul, mul_inferred] = [add_parts, mul_parts, mul_inferred_parts].map(|unit| {
-            let in_parts = |count| chain(&unit(format, count, with_flags)?);
-            Ok([unit(format, 1, with_flags)?.remove(0), in_parts(2)?, in_parts(3)?])
-        });
         let (encode, decode, compare) = (encode(format)?, decode(format)?, compare(format)?);
-        Ok(Self { format, encode, decode, add: add?, mul: mul?, mul_inferred: mul_inferred?, compare })
+        let (add, mul, div, sqrt) = (add(format)?, mul(format)?, div(format)?, sqrt(format)?);
+        Ok(Self { format, encode, decode, add, mul, div, sqrt, compare })
     }
 
-    /// A netlist of all units, with the inputs `a_i` and `b_i` and the outputs [`OUTPUTS`]. It subtracts as the
-    /// datapath does: with the adder, the sign of the recoded `b` inverted.
-    pub fn bench(&self, ports: PortFormat) -> Result<Arc<Module>, Error> {
-        let (name, width) = match ports {
-            PortFormat::Ieee => ("ieee", self.format.ieee_width()),
-            PortFormat::Recoded => ("recoded", self.format.recoded_width()),
-        };
-        let m = Builder::new(&format!("bench_{name}_{}", self.format));
-        let operand = |name: &str| {
-            let given = m.input(&format!("{name}_i"), width);
-            match ports {
-                PortFormat::Ieee => {
-                    single_output(&m, m.instance(&format!("encode_{name}"), &self.encode, &[("ieee_i", given)]))
-                }
-                PortFormat::Recoded => given,
+    /// A netlist of all units between the encoding and decoding units, with the inputs `a_i` and `b_i` and the outputs
+    /// [`OUTPUTS`]. It subtracts as the datapath does: with the adder, the sign of the recoded `b` inverted.
+    pub fn bench(&self) -> Result<Arc<Module>, Error> {
+        let m = Builder::new(&format!("bench_{}", self.format));
+        let single = |name: &str, unit: &Arc<Module>, inputs: &[(&str, Wire<'_>)]| -> Wire<'_> {
+            // A unit with more or fewer outputs gives a word of no bits, which `finish` rejects.
+            match m.instance(name, unit, inputs).as_slice() {
+                [output] => *output,
+                _ => m.constant(0, 0),
             }
         };
-        let (a, b) = (operand("a"), operand("b"));
+        let [a, b] = ["a", "b"].map(|name| {
+            let given = m.input(&format!("{name}_i"), self.format.ieee_width());
+            single(&format!("encode_{name}"), &self.encode, &[("ieee_i", given)])
+        });
         let minus_b = m.concat(&[!b.top(), b.lower(b.width() - 1)]);
-        let results = |count: usize| {
-            let [add, mul] = [&self.add[count - 1], &self.mul[count - 1]];
-            [("sum", add, b), ("difference", add, minus_b), ("product", mul, b)].map(|(name, unit, b)| {
-                single_output(&m, m.instance(&format!("{name}_in_{count}"), unit, &[("a_i", a), ("b_i", b)]))
-            })
-        };
-
-        let whole = results(1);
-        for (name, wire) in ["sum", "difference", "product"].into_iter().zip(whole) {
-            let result = match ports {
-                PortFormat::Ieee => {
-                    single_output(&m, m.instance(&format!("decode_{name}"), &self.decode, &[("recoded_i", wire)]))
-                }
-                PortFormat::Recoded => wire,
-            };
-            m.output(&format!("{name}_o"), result);
+        let both = |b| vec![("a_i", a), ("b_i", b)];
+        for (name, unit, inputs) in [
+            ("sum", &self.add, both(b)),
+            ("difference", &self.add, both(minus_b)),
+            ("product", &self.mul, both(b)),
+            ("quotient", &self.div, both(b)),
+            ("root", &self.sqrt, vec![("a_i", a)]),
+        ] {
+            let result = single(name, unit, &inputs);
+            let decoded = single(&format!("decode_{name}"), &self.decode, &[("recoded_i", result)]);
+            m.output(&format!("{name}_o"), decoded);
         }
-        for (name, wire) in OUTPUTS[3..6].iter().zip(m.instance("compare", &self.compare, &[("a_i", a), ("b_i", b)])) {
+        for (name, wire) in OUTPUTS[5..].iter().zip(m.instance("compare", &self.compare, &both(b))) {
             m.output(name, wire);
         }
-        let in_parts = [2, 3].map(results);
-        let in_parts = in_parts.as_flattened().iter().copied().zip(whole.into_iter().cycle());
-        let inferred = (1..).zip(&self.mul_inferred).map(|(count, unit)| {
-            let name = format!("product_inferred_in_{count}");
-            (single_output(&m, m.instance(&name, unit, &[("a_i", a), ("b_i", b)])), whole[2])
-        });
-        let differ: Vec<Wire<'_>> = in_parts.chain(inferred).map(|(other, whole)| !other.equals(whole)).collect();
-        m.output(OUTPUTS[6], m.concat(&differ.into_iter().rev().collect::<Vec<_>>()));
         m.finish()
-    }
-}
-
-/// A unit's only output. For a unit with more or fewer outputs it is a word of no bits, which `finish` rejects.
-fn single_output<'m>(m: &'m Builder, outputs: Vec<Wire<'m>>) -> Wire<'m> {
-    match outputs.as_slice() {
-        [output] => *output,
-        _ => m.constant(0, 0),
     }
 }
 
@@ -247,8 +188,8 @@ pub struct Bench(Simulated);
 
 impl Bench {
     /// Compiles the bench of these units.
-    pub fn new(units: &Units, ports: PortFormat) -> Result<Self, Error> {
-        Simulated::new(&units.bench(ports)?).map(Self)
+    pub fn new(units: &Units) -> Result<Self, Error> {
+        Simulated::new(&units.bench()?).map(Self)
     }
 
     /// The units' results for two operands.

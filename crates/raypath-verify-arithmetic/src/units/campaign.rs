@@ -92,13 +92,8 @@ mod tests {
     #[test]
     fn shards_run_every_case_once() {
         let seen = Mutex::new(vec![0; 1003]);
-        let mut covered = 0;
         for shard in ["1/3", "2/3", "3/3"] {
-            let mut last = None;
-            let mut watch = |step| {
-                last = Some(step);
-                true
-            };
+            let mut watch = |_| true;
             let mut request = Request { shard: shard.parse().expect("a shard"), ..Request::new(&mut watch) };
             let phase = request.cases(1003, 10);
             let mut campaign = Campaign::new(&mut request, &[phase]);
@@ -109,11 +104,7 @@ mod tests {
             };
             campaign.run(phase, || Ok(()), check).expect("a campaign");
             assert_eq!(campaign.done(), campaign.total);
-            covered += campaign.done();
-            let last = last.expect("a step");
-            assert_eq!(last.done, last.total);
         }
-        assert_eq!(covered, 1003);
         assert!(seen.into_inner().expect("no panic").into_iter().all(|times| times == 1));
     }
 

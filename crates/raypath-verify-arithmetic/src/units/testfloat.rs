@@ -54,11 +54,6 @@ impl Pairs {
         Self { stride: stride.max(1), ..self }
     }
 
-    /// The level of the cases.
-    pub fn level(&self) -> Level {
-        self.level
-    }
-
     /// The number of cases.
     pub fn count(&self) -> u64 {
         ((self.patterns.len() as u64).pow(2) * self.turns()).div_ceil(self.stride)
@@ -92,22 +87,6 @@ impl Pairs {
             _ => (any(), any()),
         }
     }
-}
-
-/// The cases with one operand of a level: the patterns of the wider set of exponents, each preceded by two weighted
-/// random numbers at level one and by one at level two.
-pub fn singles(level: Level, seed: u64) -> Vec<u32> {
-    let (weighted, mut random) = (Weighted::new(), ChaCha8Rng::seed_from_u64(seed));
-    let before = match level {
-        Level::One => 2,
-        Level::Two => 1,
-    };
-    let mut cases = Vec::new();
-    for pattern in patterns(&result_exponents(), level) {
-        cases.extend((0..before).map(|_| weighted.draw(&mut random)));
-        cases.push(pattern);
-    }
-    cases
 }
 
 /// A generator of weighted random numbers.
@@ -194,86 +173,14 @@ mod tests {
     fn the_number_of_patterns_equals_that_of_testfloat() {
         assert_eq!((operand_exponents().len(), result_exponents().len()), (22, 50));
         assert_eq!((fractions(Level::One).len(), fractions(Level::Two).len()), (4, 88));
-        assert_eq!((singles(Level::One, 1).len(), singles(Level::Two, 1).len()), (600, 8_800));
         assert_eq!((all(Level::One, 1).len(), all(Level::Two, 1).len()), (46_464, 7_496_192));
         assert_eq!((Pairs::new(Level::One, 1, 0).count(), Pairs::new(Level::Two, 1, 0).count()), (46_464, 7_496_192));
         assert_eq!(Pairs::new(Level::Two, 1, 0).block(7_496_192 / BLOCK + 1).count(), 0);
     }
 
     #[test]
-    fn every_pattern_meets_every_other_and_none_is_there_twice() {
-        let patterns = patterns(&operand_exponents(), Level::Two);
-        assert_eq!(patterns.iter().collect::<HashSet<_>>().len(), 22 * 88);
+    fn every_pattern_meets_every_other() {
         let pairs: HashSet<(u32, u32)> = all(Level::Two, 1).into_iter().skip(1).step_by(2).collect();
         assert_eq!(pairs.len(), (22 * 88) * (22 * 88));
-        assert!(patterns.iter().all(|&a| pairs.contains(&(a, patterns[7])) && pairs.contains(&(patterns[7], a))));
-    }
-
-    #[test]
-    fn a_stride_takes_patterns_and_random_numbers_alike() {
-        let some = Pairs::new(Level::Two, 1, 0).every(5);
-        let cases: HashSet<(u32, u32)> =
-            (0..some.count().div_ceil(BLOCK)).flat_map(|block| some.block(block).collect::<Vec<_>>()).collect();
-        let patterns: HashSet<u32> = patterns(&operand_exponents(), Level::Two).into_iter().collect();
-        let of_patterns: Vec<_> = cases.iter().filter(|(a, b)| patterns.contains(a) && patterns.contains(b)).collect();
-        assert_eq!(some.count(), 1_499_239);
-        assert!(of_patterns.len() >= 749_619 && of_patterns.len() < 800_000, "{}", of_patterns.len());
-        for place in [0, 1] {
-            let met: HashSet<u32> = of_patterns.iter().map(|(a, b)| [*a, *b][place]).collect();
-            assert_eq!(met.len(), 22 * 88);
-        }
-    }
-
-    #[test]
-    fn edges_are_there() {
-        let cases: HashSet<(u32, u32)> = all(Level::Two, 1).into_iter().collect();
-        let edges = [
-            ("zeros of both signs", 0x0000_0000, 0x8000_0000),
-            ("the least subnormal numbers", 0x0000_0001, 0x8000_0001),
-            ("the largest subnormal and the least normal number", 0x007f_ffff, 0x0080_0000),
-            ("the largest number twice", 0x7f7f_ffff, 0x7f7f_ffff),
-            ("infinities of both signs", 0x7f80_0000, 0xff80_0000),
-            ("an infinity and zero", 0x7f80_0000, 0x0000_0000),
-            ("a quiet NaN", 0x7fc0_0000, 0x3f80_0000),
-            ("a signalling NaN", 0x7f80_0001, 0x3f80_0000),
-            ("a tie", 0x3f80_0001, 0x3380_0000),
-            ("cancellation to the last place", 0x3f80_0000, 0xbf7f_ffff),
-        ];
-        for (name, a, b) in edges {
-            assert!(cases.contains(&(a, b)), "{name}: {a:#x}, {b:#x}");
-        }
-    }
-
-    #[test]
-    fn a_seed_is_a_reproduction() {
-        assert_eq!(all(Level::Two, 5), all(Level::Two, 5));
-        assert_eq!(singles(Level::Two, 5), singles(Level::Two, 5));
-        let first = |seed, round| Pairs::new(Level::Two, seed, round).block(0).collect::<Vec<_>>();
-        let (here, other_seed, other_round) = (first(5, 0), first(6, 0), first(5, 1));
-        let alike = |other: &[(u32, u32)]| here.iter().zip(other).filter(|(x, y)| x == y).count();
-        // The patterns, and next to none of the random numbers.
-        assert!((2048..2060).contains(&alike(&other_seed)) && (2048..2060).contains(&alike(&other_round)));
-        assert_ne!(here.first().copied(), Pairs::new(Level::Two, 5, 0).block(1).next());
-    }
-
-    /// Every exponent occurs, most often those near the middle; a quarter of the fractions are random bits.
-    #[test]
-    fn random_numbers_are_weighted() {
-        let (weighted, mut random) = (Weighted::new(), ChaCha8Rng::seed_from_u64(1));
-        let draws: Vec<u32> = (0..1_000_000).map(|_| weighted.draw(&mut random)).collect();
-        let share = |wanted: &dyn Fn(u32) -> bool| draws.iter().filter(|&&draw| wanted(draw)).count() as f64 / 1e6;
-        let field = |draw: u32| draw >> 23 & 0xff;
-        assert!((0..256).all(|value| draws.iter().any(|&draw| field(draw) == value)));
-        // Half of the numbers are from 50 signs and exponents; 8 of their 25 exponents are in the narrowest window. Of
-        // the others, 8 of n are in it for a window of n.
-        let windows = (2.0 / 256.0 + 1.0 / 128.0 + 1.0 / 64.0 + 1.0 / 32.0 + 1.0 / 16.0 + 1.0 / 8.0) * 8.0 / 7.0;
-        let expected = 0.5 * 8.0 / 25.0 + 0.5 * windows;
-        assert!((share(&|draw| (124..132).contains(&field(draw))) - expected).abs() < 0.003);
-        assert!((share(&|draw| draw & SIGN != 0) - 0.5).abs() < 0.003);
-        let sums: HashSet<u32> = {
-            let fractions = fractions(Level::Two);
-            fractions.iter().flat_map(|a| fractions.iter().map(move |b| (a + b) & FRACTION)).collect()
-        };
-        assert!((share(&|draw| !sums.contains(&(draw & FRACTION))) - 0.25).abs() < 0.003);
     }
 }

@@ -1,14 +1,11 @@
-//! The SystemVerilog of dividers and square roots: in Verilator beside the netlist simulator, in every cycle, and in
-//! the linters.
+//! The SystemVerilog of dividers and square roots in Verilator beside the netlist simulator, in every cycle.
 
 use rand::RngExt;
 use raypath_float::{DivSqrt, Format};
 use raypath_hdl::{Error, Module, Simulator};
-use raypath_tools::{Sources, Verilated};
+use raypath_tools::Verilated;
 use raypath_verify_arithmetic::units::operands::{generator, number};
 use std::sync::Arc;
-
-const FUNCTIONS: [DivSqrt; 4] = [DivSqrt::Quotient, DivSqrt::Reciprocal, DivSqrt::Root, DivSqrt::QuotientOrRoot];
 
 #[test]
 fn verilator_agrees_in_every_cycle() -> Result<(), Box<dyn std::error::Error>> {
@@ -59,23 +56,4 @@ fn frames(module: &Arc<Module>, seed: u64) -> Vec<Vec<u64>> {
         words
     };
     (0..100_000).map(|_| frame()).collect()
-}
-
-#[test]
-fn linters_are_silent() -> Result<(), Box<dyn std::error::Error>> {
-    for (e, s) in [(8, 24), (3, 3), (5, 11)] {
-        let format = Format::new(e, s)?;
-        for function in FUNCTIONS {
-            for module in [
-                function.parts(format, 1)?.remove(0),
-                function.pipelined(format, 3, 5)?,
-                function.iterative(format, 2, 0)?,
-                function.iterative(format, s + 2, 1)?,
-            ] {
-                let folder = tempfile::tempdir()?;
-                Sources::write(&module, folder.path())?.lint()?;
-            }
-        }
-    }
-    Ok(())
 }

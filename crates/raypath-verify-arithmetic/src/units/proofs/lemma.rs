@@ -4,6 +4,7 @@
 //! makes outputs of those that it gives. What is proved for any values holds for those that the drivers give: a proved
 //! lemma is true of the whole module, whatever was cut.
 
+use super::claim::depends;
 use raypath_tools::ToolError;
 use raypath_verify::Error;
 use raypath_verify::sat::{Miter, SOURCE};
@@ -164,8 +165,7 @@ impl Lemma {
         }
         commands.extend(["rest.sv", "miter.sv"].map(|file| format!("read_verilog -sv {SOURCE}{file}")));
         commands.extend(["hierarchy -check -top miter", "proc"].map(String::from));
-        let depends = |name| format!("select -assert-min 1 miter/w:differ %ci* miter/w:{name} %i");
-        commands.extend(self.gives.iter().chain(&self.takes).map(|signal| depends(&signal.name)));
+        commands.extend(self.gives.iter().chain(&self.takes).map(|signal| depends("differ", &signal.name)));
         // Without what the lemma does not need, the conversion to gates is faster.
         commands.extend(["flatten", "opt_clean"].map(String::from));
         let sources = [("unit.sv", unit), ("rest.sv", self.rest.clone()), ("miter.sv", self.text())];

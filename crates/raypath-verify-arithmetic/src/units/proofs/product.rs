@@ -8,15 +8,15 @@
 //! 3. Each row and its correction are a digit of `N` times `M`, plus a constant and the correction of the row above.
 //! 4. Each row of full adders keeps the sum of its three rows.
 //! 5. The product's upper bits, and whether a lower one is set, are those of the sum of the last two rows.
-//! 6. With a free product in place of `M N` on both sides, unit and reference give the same result and flags.
+//! 6. With a free product in place of `M N` on both sides, the unit gives the canonical word of the reference's result,
+//!    and its flags.
 //!
 //! From 3 and 4 [`derive_product`] derives that the sum of the last rows is `M N`. A multiplier with `*` has the lemmas
 //! 1, 2 and 6, and one that states the operands of `*`.
 
 use super::lemma::{Fault, Lemma, Signal, Text, is_chain};
 use super::linear::{Equation, Sum, Term, derive_product, digit};
-use super::theorem::Theorem;
-use raypath_float::{Format, decode, encode, mul_by_short_parts, mul_inferred_parts, mul_parts};
+use raypath_float::{Format, encode, mul_by_short_parts, mul_inferred_parts, mul_parts};
 use raypath_hdl::verilog::text;
 use raypath_verify::Error;
 use std::fmt;
@@ -48,6 +48,9 @@ impl fmt::Display for Multiplier {
     }
 }
 
+/// Lemmas, and whether a multiplier's product follows from them; else why not.
+type Theorem = (Vec<Lemma>, Result<(), String>);
+
 /// A row to be added; its lowest bit is in column `low`.
 #[derive(Clone)]
 struct Row {
@@ -56,7 +59,7 @@ struct Row {
 }
 
 impl Multiplier {
-    /// The lemmas about the unit's text.
+    /// The lemmas about the unit's text, and whether its product follows from them; else why not.
     ///
     /// # Errors
     /// The unit cannot be built, or its text lacks a signal.
@@ -68,7 +71,7 @@ impl Multiplier {
             (false, None) => mul_parts(self.format, 1, self.with_flags)?,
         };
         let [unit] = parts.as_slice() else {
-            return Ok(Theorem { lemmas: Vec::new(), follows: Err("no unit".into()) });
+            return Ok((Vec::new(), Err("no unit".into())));
         };
         Unit { multiplier: self, factor, text: Text::new(unit.name(), text(unit)?) }.theorem()
     }
@@ -96,7 +99,7 @@ impl Unit {
         };
         lemmas.push(self.rounding()?);
         let follows = follows.and_then(|()| is_chain(&lemmas, &self.text));
-        Ok(Theorem { lemmas, follows })
+        Ok((lemmas, follows))
     }
 
     /// The bits of the significands.
@@ -408,17 +411,16 @@ impl Unit {
         let is_nan = |word: &str| format!("(&{word}[{}:{}] && |{word}[{}:0])", width - 2, s - 1, s - 2);
         let statement = format!(
             "{operands}{product}\n\
-             wire [{recoded}:0] recoded; wire [{ieee}:0] ours, expected, truncated; wire NV, OF, UF, NX;\n\
+             wire [{recoded}:0] wanted; wire [{ieee}:0] expected, truncated; wire NV, OF, UF, NX;\n\
              raypath_fp_encode_{format} u_encode_a (.ieee_i(a), .recoded_o(a_i));\n\
              raypath_fp_encode_{factor} u_encode_b (.ieee_i(b), .recoded_o(b_i));\n\
-             raypath_fp_decode_{format} u_decode (.recoded_i(product_o), .ieee_o(ours));\n\
+             raypath_fp_encode_{format} u_encode (.ieee_i(expected), .recoded_o(wanted));\n\
              wire [{product_top}:0] reference_product = special_a || special_b ? q : {{p{padding}}};\n\
              symfpu u_reference (.a(reference_a), .b(reference_b), .product_0_Y(reference_product), .o(expected),\n\
              .NV(NV), .OF(OF), .UF(UF), .NX(NX));\n\
              wire nan_a = {nan_a}, nan_b = {nan_b};\n\
-             wire [{ieee}:0] wanted = {is_nan} ? {width}'d{nan} : expected;\n\
              {flags}\n\
-             assign differ = |p[{top}:{below}] && (ours != wanted || differ_in_flags);",
+             assign differ = |p[{top}:{below}] && (product_o != wanted || differ_in_flags);",
             operands = self.reference_operands(),
             recoded = format.recoded_width() - 1,
             ieee = width - 1,
@@ -426,15 +428,13 @@ impl Unit {
             product_top = 2 * s - 1,
             nan_a = is_nan("reference_a"),
             nan_b = is_nan("reference_b"),
-            is_nan = is_nan("expected"),
-            nan = format.nan(),
             top = columns - 1,
             below = columns - 2,
         );
         let taken: &[&str] = if self.multiplier.inferred { &["whole"] } else { &["word", "sticky"] };
         let given: &[&str] = if self.multiplier.with_flags { &["product_o", "flags_o"] } else { &["product_o"] };
         let products = [Signal::new("p", columns), Signal::new("q", 2 * s)];
-        let mut rest = text(&encode(format)?)? + &text(&decode(format)?)?;
+        let mut rest = text(&encode(format)?)?;
         if self.factor != format {
             rest += &text(&encode(self.factor)?)?;
         }
@@ -461,7 +461,7 @@ mod tests {
         let format = Format::new(5, 8).expect("a format");
         for inferred in [false, true] {
             let multiplier = Multiplier { format, inferred, short: None, with_flags: true };
-            let Theorem { lemmas, follows } = multiplier.theorem().expect("a theorem");
+            let (lemmas, follows) = multiplier.theorem().expect("a theorem");
             assert_eq!(follows, Ok(()));
             let text = &lemmas.last().expect("lemmas").unit;
             assert_eq!(is_chain(&lemmas, text), Ok(()));

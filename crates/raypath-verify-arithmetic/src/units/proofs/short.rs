@@ -19,11 +19,10 @@ pub fn product(f: Format, to: Narrow) -> Result<String, Error> {
     let (short, bits) = (f.narrowed(to.bits)?, to.bits);
     let (recoded, ieee) = (short.recoded_width(), short.ieee_width());
     let ours = format!(
-        "wire [{top}:0] recoded_a, recoded_b, recoded_result;\n\
+        "wire [{top}:0] recoded_a, recoded_b;\n\
          raypath_fp_encode_{short} u_encode_a (.ieee_i(a), .recoded_o(recoded_a));\n\
          raypath_fp_encode_{short} u_encode_b (.ieee_i(b), .recoded_o(recoded_b));\n\
-         raypath_fp_mul_{f}_s{bits}_{to} u_unit (.a_i(recoded_a), .b_i(recoded_b), .product_o(recoded_result));\n\
-         raypath_fp_decode_{short} u_decode (.recoded_i(recoded_result), .ieee_o(ours));\n\
+         raypath_fp_mul_{f}_s{bits}_{to} u_unit (.a_i(recoded_a), .b_i(recoded_b), .product_o(ours));\n\
          wire [{last}:0] rounded; wire overflows;\n",
         top = recoded - 1,
         last = ieee - 1,
@@ -59,15 +58,13 @@ pub fn shortening(f: Format, to: Narrow) -> Result<String, Error> {
         false => format!("a[{0}:0] < {last}'d{margin} ? {last}'d0 : a[{0}:0] - {last}'d{margin}", last - 1),
     };
     let text = format!(
-        "wire [{recoded}:0] recoded_a; wire [{short_recoded}:0] recoded_result;\n\
+        "wire [{recoded}:0] recoded_a;\n\
          raypath_fp_encode_{f} u_encode (.ieee_i(a), .recoded_o(recoded_a));\n\
-         raypath_narrow_{f}_{to} u_unit (.number_i(recoded_a), .narrow_o(recoded_result));\n\
-         raypath_fp_decode_{short} u_decode (.recoded_i(recoded_result), .ieee_o(ours));\n\
+         raypath_narrow_{f}_{to} u_unit (.number_i(recoded_a), .narrow_o(ours));\n\
          wire [{last}:0] moved; wire [{short_last}:0] rounded; wire overflows = 0;\n\
          assign moved = {{a[{last}], a[{0}:0] >= {last}'d{infinity} ? a[{0}:0] : ({moved})}};\n",
         last - 1,
         recoded = f.recoded_width() - 1,
-        short_recoded = short.recoded_width() - 1,
         short_last = short.ieee_width() - 1,
     );
     Ok(text + &round_word(f, to, "moved") + &expected(short))
@@ -92,15 +89,16 @@ fn round_word(f: Format, to: Narrow, word: &str) -> String {
     )
 }
 
-/// `expected` from the rounded number and whether it is too large for the format.
+/// `expected`, recoded, from the rounded number and whether it is too large for the format.
 fn expected(short: Format) -> String {
     let (e, s, last) = (short.exponent(), short.significand(), short.ieee_width() - 1);
     let (high, low) = (e + s - 2, s - 1);
     format!(
         "wire is_nan = (&rounded[{high}:{low}]) && (|rounded[{below}:0]);\n\
          wire is_small = rounded[{high}:{low}] < 2;\n\
-         assign expected = is_nan ? {width}'d{nan} : overflows ? {{rounded[{last}], {{{e}{{1'b1}}}}, {low}'d0}} :\n\
-         is_small ? {{rounded[{last}], {last}'d0}} : rounded;",
+         wire [{last}:0] wanted = is_nan ? {width}'d{nan} : overflows ? {{rounded[{last}], {{{e}{{1'b1}}}}, {low}'d0}} :\n\
+         is_small ? {{rounded[{last}], {last}'d0}} : rounded;\n\
+         raypath_fp_encode_{short} u_expected (.ieee_i(wanted), .recoded_o(expected));\n",
         below = s - 2,
         width = short.ieee_width(),
         nan = short.nan(),

@@ -22,9 +22,7 @@ pub fn sides(f: Format, terms: u32) -> String {
     // ⌈log₂ n⌉.
     let growth = u32::BITS - (terms - 1).leading_zeros();
     format!(
-        "{encoders}wire [{recoded}:0] recoded_sum;\n\
-         raypath_fp_sum_{terms}_{f} u_unit ({ports}.sum_o(recoded_sum));\n\
-         raypath_fp_decode_{f} u_decode (.recoded_i(recoded_sum), .ieee_o(ours));\n\
+        "{encoders}raypath_fp_sum_{terms}_{f} u_unit ({ports}.sum_o(ours));\n\
          reg [{last}:0] x, code;\n\
          reg nan, plus, minus, only_minus_zeros, up;\n\
          reg [{top}:0] size, sizes, window, sum, magnitude, kept, rest, half, shift;\n\
@@ -59,8 +57,7 @@ pub fn sides(f: Format, terms: u32) -> String {
          sum == 0 ? (only_minus_zeros ? {minus_zero} : 0) :\n\
          {{sum[{top}], kept >= {infinity} ? {short}'d{infinity} : kept[{last} - 1:0]}};\n\
          end\n\
-         assign expected = code;",
-        recoded = f.recoded_width() - 1,
+         raypath_fp_encode_{f} u_expected (.ieee_i(code), .recoded_o(expected));\n",
         last = width - 1,
         short = width - 1,
         // A sign, and room for the code of a sum beyond the greatest number.
