@@ -178,8 +178,9 @@ pub fn multiplication(request: &mut Request<'_>) -> Result<Verdict, Error> {
 /// claims of the shorter ones.
 fn claims(level: Level) -> impl Iterator<Item = (Subject, Format)> {
     use Subject::{
-        BeginsDigits, Canonises, Compares, ComparesIgnoredBits, ComparesShort, DecodesShort, Encodes, IgnoredBits,
-        Iterative, Parts, RoundTrip, Rounds, RoundsDigits, ShortProduct, ShortProductParts, Shortening, Sum, WithFlags,
+        AddsIgnoredBits, BeginsDigits, Canonises, Compares, ComparesIgnoredBits, ComparesShort, DecodesShort, Encodes,
+        Iterative, MultipliesIgnoredBits, Parts, RoundTrip, Rounds, RoundsDigits, ShortProduct, ShortProductParts,
+        Shortening, Sum, WithFlags,
     };
     use Unit::{Add, Div, Mul, MulInferred, Sqrt};
     const fn rounds(unit: Unit) -> Subject {
@@ -232,8 +233,8 @@ fn claims(level: Level) -> impl Iterator<Item = (Subject, Format)> {
         (RoundsDigits(DivSqrt::Root), BINARY32),
         (BeginsDigits(DivSqrt::Quotient), BINARY32),
         (BeginsDigits(DivSqrt::Root), BINARY32),
-        (IgnoredBits(Add), BINARY32),
-        (IgnoredBits(Mul), BINARY32),
+        (AddsIgnoredBits, BINARY32),
+        (MultipliesIgnoredBits, BINARY32),
         (ComparesIgnoredBits, BINARY32),
         (product(4, false), SHORT),
         (product(4, true), SHORT),

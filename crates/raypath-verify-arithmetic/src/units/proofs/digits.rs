@@ -1,4 +1,7 @@
 //! Claims that dividers and square roots give canonical words, whatever their digits but the first two are.
+//!
+//! Digits that begin with as many ones as the rounding keeps, and one more, are left out: they are no quotient, because
+//! 2 x / d is at most 4 - 2^(2 - s) for significands of s bits from 1 to 2.
 
 use super::claim::{Claim, instance, texts};
 use super::words::is_canonical;
@@ -46,7 +49,10 @@ pub fn rounds_digits(f: Format, function: DivSqrt) -> Result<Claim, Error> {
             + &is_canonical(f, "ours")
             + &format!("wire [1:0] first = digits[{}:{}];\n", digits - 1, digits - 2)
             + &is_unrounded(f)
-            + "assign expected = canonical_ours ? ours : ~ours;\nassign valid = fits;\n",
+            + &format!(
+                "assign expected = canonical_ours ? ours : ~ours;\nassign valid = fits && !(&digits[{}:1]);\n",
+                digits - 1
+            ),
         fault: ("largest & carried", "largest & sticky"),
         ..Claim::default()
     })
@@ -68,13 +74,14 @@ pub fn begins_digits(f: Format, function: DivSqrt) -> Result<Claim, Error> {
         name: format!("first digits of the {}", if function == DivSqrt::Root { "square root" } else { "divider" }),
         unit: texts([&first])?,
         inputs: operands.iter().map(|operand| (operand.clone(), f.recoded_width())).collect(),
-        width: 1,
+        width: f.exponent() + 2,
         body: format!("wire settled, sign; wire [{}:0] exponent; wire [1:0] first;\n", f.exponent())
             + &instance(&first, "u_unit", output)
             + &canonical
             + &is_unrounded(f)
             // Both sides depend on the operands.
-            + &format!("assign ours = fits;\nassign expected = fits | ~fits;\nassign valid = {};\n", valid.join(" && ")),
+            + "assign ours = {fits, exponent};\nassign expected = {1'b1, exponent};\n"
+            + &format!("assign valid = {};\n", valid.join(" && ")),
         is_alike: true,
         fault: match function {
             DivSqrt::Root => ("+ HalfBias", "- HalfBias"),

@@ -212,28 +212,3 @@ pub fn is_chain(lemmas: &[Lemma], text: &Text) -> Result<(), String> {
         None => Ok(()),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TEXT: &str = "module unit (\n  input  logic [3:0] a_i,\n  output logic       b_o\n);\n  logic [4:0] sum;\n\
-                        \n  assign sum      = {1'b0, a_i} +\n      5'd3;\n  assign b_o = |sum;\nendmodule";
-
-    #[test]
-    fn widths_are_those_of_the_declarations() {
-        let text = Text::new("unit", TEXT.to_string());
-        let found = ["a_i", "b_o", "sum"].map(|name| text.signal(name).expect("declared").width);
-        assert_eq!(found, [4, 1, 5]);
-        assert!(text.signal("unit").is_err());
-        assert_eq!((text.inputs().collect::<Vec<_>>(), text.outputs().collect::<Vec<_>>()), (vec!["a_i"], vec!["b_o"]));
-    }
-
-    #[test]
-    fn a_fault_changes_the_driver_of_its_signal() {
-        let text = Text::new("unit", TEXT.to_string());
-        let faults = [Fault::new("b_o", "&", "|"), Fault::new("sum", "5'd3", "5'd2")];
-        assert_eq!(text.with(&faults).expect("a place"), TEXT.replace("5'd3", "5'd2"));
-        assert!(text.with(&faults[..1]).is_err());
-    }
-}

@@ -156,17 +156,4 @@ mod tests {
             assert!(derive_product(last, &equations, read, 5).is_err(), "{equations:?}");
         }
     }
-
-    #[test]
-    fn coefficients_are_modulo_the_columns() {
-        let sum = Sum::new(4).plus(Term::One, -3).plus(Term::Bit(1), 16).plus(Term::Digit(0), 5);
-        assert_eq!(sum.expression(|term| format!("{term:?}")), "4'd0 + 4'd13 + Digit(0) * 4'd5");
-        assert_eq!(sum.plus(Term::One, 3).plus(Term::Digit(0), 11), Sum::new(4));
-    }
-
-    #[test]
-    fn digits_are_those_of_booth() {
-        let found: Vec<i128> = (0..16).map(digit).collect();
-        assert_eq!(found, [0, 1, 1, 2, 2, 3, 3, 4, -4, -3, -3, -2, -2, -1, -1, 0]);
-    }
 }

@@ -63,11 +63,13 @@ pub enum Subject {
     RoundsDigits(DivSqrt),
     /// The part with the first digits gives such digits, exponents and classes for canonical words.
     BeginsDigits(DivSqrt),
-    /// For words of the classes zero, infinity and NaN, a unit's result depends on the class only, and on the sign of
-    /// zeros and infinities.
-    IgnoredBits(Unit),
+    /// For words of the classes zero, infinity and NaN, the adder's result depends on the class only, and on the sign
+    /// of zeros and infinities.
+    AddsIgnoredBits,
     /// The same of the comparator.
     ComparesIgnoredBits,
+    /// The same of the multiplier, by the products of zeros, infinities and NaN.
+    MultipliesIgnoredBits,
     /// The comparator behind encoders.
     Compares,
     /// The encoder gives canonical words.
@@ -156,13 +158,31 @@ impl Subject {
             }
             Self::RoundsDigits(function) => rounds_digits(f, function)?,
             Self::BeginsDigits(function) => begins_digits(f, function)?,
-            Self::IgnoredBits(unit) => {
-                let fault = match unit {
-                    Unit::Add => ("~special_sum & ~nan_or_zero_sum", "~nan_or_zero_sum"),
-                    _ => ("settled ? {{2{special}}", "special ? {{2{special}}"),
-                };
-                let claim = ignored_bits(f, &unit.whole(f, false)?)?;
-                Claim { name: format!("ignored bits in {}", unit.description().2), fault, ..claim }
+            Self::AddsIgnoredBits => Claim {
+                name: "ignored bits in addition".to_string(),
+                fault: ("~special_sum & ~nan_or_zero_sum", "~nan_or_zero_sum"),
+                ..ignored_bits(f, &Unit::Add.whole(f, false)?)?
+            },
+            Self::MultipliesIgnoredBits => {
+                let (sign, zeros) = (recoded - 1, recoded - 4);
+                let product = format!(
+                    "raypath_fp_mul_{f} u_unit (.a_i(a), .b_i(b), .product_o(ours));\n\
+                     wire nan = class_a == 7 || class_b == 7 || class_a == 0 && class_b == 6 || class_a == 6 && class_b == 0;\n\
+                     wire infinite = class_a == 6 || class_b == 6;\n\
+                     assign expected = nan ? {{1'b0, 3'd7, {zeros}'d{}}} :\n\
+                     {{a[{sign}] ^ b[{sign}], infinite ? 3'd6 : 3'd0, {zeros}'d0}};\n\
+                     assign valid = special_a || special_b;\n",
+                    1_u64 << (f.significand() - 2),
+                );
+                Claim {
+                    name: "ignored bits in multiplication".to_string(),
+                    unit: texts([&Unit::Mul.whole(f, false)?])?,
+                    inputs: ["a", "b"].map(|name| (name.to_string(), recoded)).into(),
+                    width: recoded,
+                    body: canonical_form(f, "a") + &canonical_form(f, "b") + &product,
+                    fault: ("settled ? {{2{special}}", "special ? {{2{special}}"),
+                    ..Claim::default()
+                }
             }
             Self::ComparesIgnoredBits => Claim {
                 name: "ignored bits in comparison".to_string(),
