@@ -385,7 +385,8 @@ impl Unit {
         [format!("[{}:{}]", self.columns() - 1, n - 2), format!("[{}:0]", n - 3)]
     }
 
-    /// Lemma 6. The product `p` is free, but as large as that of two significands. Where an operand is zero, infinite
+    /// Lemma 6. The product `p` is free, but as large as that of two significands of s and n bits, which is below
+    /// (2^s - 1) 2^n. Where an operand is zero, infinite
     /// or NaN, the reference multiplies other numbers than the unit, so it has another product, `q`.
     fn rounding(&self) -> Result<Lemma, Error> {
         let (format, columns, [upper, lower]) = (self.multiplier.format, self.columns(), self.split());
@@ -420,7 +421,7 @@ impl Unit {
              .NV(NV), .OF(OF), .UF(UF), .NX(NX));\n\
              wire nan_a = {nan_a}, nan_b = {nan_b};\n\
              {flags}\n\
-             assign differ = |p[{top}:{below}] && (product_o != wanted || differ_in_flags);",
+             assign differ = |p[{top}:{below}] && ~&p[{top}:{n}] && (product_o != wanted || differ_in_flags);",
             operands = self.reference_operands(),
             recoded = format.recoded_width() - 1,
             ieee = width - 1,
