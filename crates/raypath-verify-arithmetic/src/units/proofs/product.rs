@@ -386,8 +386,8 @@ impl Unit {
     }
 
     /// Lemma 6. The product `p` is free, but as large as that of two significands of s and n bits, which is below
-    /// (2^s - 1) 2^n. Where an operand is zero, infinite
-    /// or NaN, the reference multiplies other numbers than the unit, so it has another product, `q`.
+    /// (2^s - 1) 2^n. Where an operand is zero, infinite or NaN, the reference multiplies other numbers than the unit, so
+    /// it has another product, `q`.
     fn rounding(&self) -> Result<Lemma, Error> {
         let (format, columns, [upper, lower]) = (self.multiplier.format, self.columns(), self.split());
         let (width, (s, n)) = (format.ieee_width(), self.widths());
