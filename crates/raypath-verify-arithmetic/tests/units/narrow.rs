@@ -2,6 +2,7 @@
 
 use crate::units::converter;
 use raypath_float::{Format, Narrow, mul_narrow_parts, narrow};
+use raypath_verify_arithmetic::units::operands::{for_products, generator};
 
 #[test]
 fn software_rounds_as_the_units_do() {
@@ -20,6 +21,27 @@ fn software_rounds_as_the_units_do() {
                     assert_eq!(found, format.decode(word << (s - bits)), "{format}, {to}: {code:#x}");
                 }
             }
+        }
+    }
+}
+
+/// In binary32, where `unit-proofs` has no proof: the product is rounded to nearest, and then in the direction.
+#[test]
+fn products_of_binary32() {
+    let (format, mut random) = (Format::BINARY32, generator(1));
+    for (bits, away) in [(8, true), (8, false), (13, true), (13, false), (24, true), (24, false)] {
+        let to = Narrow { bits, away, margin: 0 };
+        let mut unit = converter(mul_narrow_parts(format, bits, to, 1).map(|mut parts| parts.remove(0)));
+        for _ in 0..20_000 {
+            let (a, b) = for_products(&mut random);
+            let [a, b] = [a, b].map(|code| u64::from(code) >> (24 - bits) << (24 - bits));
+            let product = format.mul(a, b);
+            let wanted = match away {
+                true => format.narrow_away_from_zero(product, bits, 0),
+                false => format.narrow_toward_zero(product, bits, 0),
+            };
+            let [word] = unit.run([a, b].map(|code| format.encode(code) >> (24 - bits)));
+            assert_eq!(format.decode(word << (24 - bits)), wanted, "{to}: {a:#x} times {b:#x}");
         }
     }
 }
