@@ -10,9 +10,10 @@ use raypath_tools::{grouped, pool::Cases};
 use raypath_verify::{Error, Request, Verdict};
 use softfloat_rs::{f32_add, f32_div, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sqrt, f32_sub, float32_t};
 
-/// Compares sums, differences, products, quotients, roots and comparisons of TestFloat's cases and of operands that are hard for one of
-/// the units. The netlist holds the units between the encoding and decoding units. All cases of TestFloat's level 1 run;
-/// of level 2 every fifth, at level `full` all, and at `long` all a hundred times, each time with other random numbers.
+/// Compares sums, differences, products, quotients, roots and comparisons of TestFloat's cases and of operands that are
+/// hard for one of the units. The netlist holds the units between the encoding and decoding units. All cases of
+/// TestFloat's level 1 run; of level 2 every fifth, at level `full` all, and at `long` all a hundred times, each time
+/// with other random numbers.
 pub fn testfloat(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let seed = request.seed;
     let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));
@@ -40,8 +41,8 @@ pub fn testfloat(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Er
             .collect()
     })?;
     let covered = format!(
-        "{} cases of TestFloat and {} hard ones, each of addition, subtraction, multiplication, division, square root and \
-         comparison",
+        "{} cases of TestFloat and {} hard ones, each of addition, subtraction, multiplication, division, square root \
+         and comparison",
         grouped(of_testfloat),
         grouped(campaign.done() - of_testfloat),
     );

@@ -167,7 +167,8 @@ impl Subject {
                 let (sign, zeros) = (recoded - 1, recoded - 4);
                 let product = format!(
                     "raypath_fp_mul_{f} u_unit (.a_i(a), .b_i(b), .product_o(ours));\n\
-                     wire nan = class_a == 7 || class_b == 7 || class_a == 0 && class_b == 6 || class_a == 6 && class_b == 0;\n\
+                     wire nan = class_a == 7 || class_b == 7 ||\n\
+                     class_a == 0 && class_b == 6 || class_a == 6 && class_b == 0;\n\
                      wire infinite = class_a == 6 || class_b == 6;\n\
                      assign expected = nan ? {{1'b0, 3'd7, {zeros}'d{}}} :\n\
                      {{a[{sign}] ^ b[{sign}], infinite ? 3'd6 : 3'd0, {zeros}'d0}};\n\
@@ -219,7 +220,8 @@ impl Subject {
                 body: encoders(f, &["a"])
                     + &is_canonical(f, "recoded_a")
                     + &format!(
-                        "assign ours = recoded_a;\nassign expected = canonical_recoded_a ? recoded_a : ~recoded_a;\n{any}"
+                        "assign ours = recoded_a;\n\
+                         assign expected = canonical_recoded_a ? recoded_a : ~recoded_a;\n{any}"
                     ),
                 fault: ("exponent & {", "exponent | {"),
                 ..Claim::default()
