@@ -102,28 +102,6 @@ impl Sums {
     }
 }
 
-/// Calls `check` for all multisets of `count` items.
-fn multisets<T: Copy>(items: &[T], count: usize, chosen: &mut Vec<T>, check: &mut impl FnMut(&[T])) {
-    if chosen.len() == count {
-        return check(chosen);
-    }
-    for (first, &item) in items.iter().enumerate() {
-        chosen.push(item);
-        multisets(&items[first..], count, chosen, check);
-        chosen.pop();
-    }
-}
-
-#[test]
-fn every_three_and_four_terms_of_small_formats() {
-    for (e, s, terms) in [(3, 4, 3), (4, 3, 3), (3, 3, 4)] {
-        let format = Format::new(e, s).expect("a format");
-        let mut sums = Sums::new(format, terms);
-        let codes: Vec<u64> = (0..1 << format.ieee_width()).filter(|&code| format.canonical(code) == code).collect();
-        multisets(&codes, terms as usize, &mut Vec::new(), &mut |terms| sums.check(terms));
-    }
-}
-
 /// Terms of one magnitude, of all, with pairs that cancel, ties, and special ones.
 fn draw(rng: &mut ChaCha8Rng, format: Format, count: usize) -> Vec<u64> {
     let fraction = format.significand() - 1;
