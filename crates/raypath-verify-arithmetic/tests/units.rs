@@ -3,6 +3,7 @@
 mod conversions;
 mod division;
 mod narrow;
+mod short;
 mod sums;
 mod verilator;
 
