@@ -9,8 +9,7 @@
 //! late, once the leading bits are known. Nothing is rounded after the normalising shift, because a sum that it moves
 //! by more than one place is exact.
 //!
-//! Tests in `tests/units`: `small_formats.rs` (all operands, soft float), `binary32.rs` (the host's `f32`),
-//! `other_formats.rs` (soft float), `verilator.rs`; in all of them whole and in parts.
+//! Checked by `verify unit-proofs` (symfpu, all operands, also of the unit in parts) and `testfloat` (SoftFloat).
 
 use crate::Format;
 use crate::units::align::shift_right_sticky;

@@ -3,8 +3,7 @@
 //! Hardware: exponents and fractions are compared in parallel as unsigned words, for less and for equal. The magnitudes
 //! of all infinities are equal, and so are those of all zeros.
 //!
-//! Tests in `tests/units`: `small_formats.rs` (all operands), `binary32.rs` (the host's `f32`), `other_formats.rs`,
-//! `verilator.rs`.
+//! Checked by `verify unit-proofs` (symfpu, all operands) and `testfloat` (SoftFloat).
 
 use crate::Format;
 use crate::units::narrow::narrowed;

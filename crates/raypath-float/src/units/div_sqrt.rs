@@ -4,7 +4,8 @@
 //! products have too (`round.rs`). `iterative.rs` has one or a few of the subtractors, used again in every cycle.
 //!
 //! Tests: `tests/division` (the format in software: all operands of small formats, hard ones of others, handshakes),
-//! `units/division.rs` in `raypath-verify` (SoftFloat, LLVM's soft float), its `tests/units/division.rs` (Verilator).
+//! `verify testfloat` (SoftFloat), `verify unit-proofs` (symfpu in small formats, split and iterative units),
+//! `tests/units/division.rs` in `raypath-verify-arithmetic` (Verilator).
 
 use crate::Format;
 use crate::units::iterative;

@@ -3,7 +3,8 @@
 //! Hardware: a normalising shift for subnormal fractions, which does nothing if the hidden bit is set, and one adder
 //! for the new bias of the exponent. This addition also maps infinity to the recoded infinity.
 //!
-//! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
+//! Checked by `verify unit-proofs` (canonical words, decoded to the number, for all numbers) and, in
+//! `raypath-verify-arithmetic`, `tests/units/conversions.rs` (the table of the format).
 
 use crate::Format;
 use crate::units::constants::Constants;

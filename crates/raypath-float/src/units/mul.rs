@@ -5,8 +5,8 @@
 //! (`lookahead.rs`); or the operator `*`, for which synthesis takes the multipliers of an FPGA. Then the product is
 //! rounded (`round.rs`). If operands or exponents alone determine the result, its class replaces the exponent.
 //!
-//! Tests in `tests/units`: `small_formats.rs` (all operands, soft float), `binary32.rs` (the host's `f32`),
-//! `other_formats.rs` (soft float), `verilator.rs`; in all of them whole and in parts. `narrow.rs` for short factors.
+//! Checked by `verify multiplication` (lemmas and symfpu, all operands), `unit-proofs` (the unit in parts) and
+//! `testfloat` (SoftFloat).
 
 use crate::Format;
 use crate::units::booth;

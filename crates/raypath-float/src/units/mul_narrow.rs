@@ -6,7 +6,7 @@
 //! bit below the kept ones. Rounding toward zero adds one if the first rounds up and all bits between are set. Results
 //! below the normal range are zero, so no place but the last is rounded.
 //!
-//! Tests in `tests/units/narrow.rs` (all operands of small formats, by exact arithmetic).
+//! Checked by `verify unit-proofs` (symfpu, all operands of small formats).
 
 use crate::Format;
 use crate::units::booth;

@@ -5,7 +5,7 @@
 //! word. A margin below the last kept place changes what is added to 1 or 2, or subtracts 1. The module is not a unit
 //! of its own in area reports, so that it is optimised with the logic around it.
 //!
-//! Tests in `tests/units/narrow.rs` (all numbers of small formats, by exact arithmetic).
+//! Checked by `verify unit-proofs` (all numbers, by words of IEEE 754 as integers).
 
 use crate::units::constants::Constants;
 use crate::units::recoded::Magnitude;

@@ -2,7 +2,8 @@
 //!
 //! Hardware: a normalising shift, whose count of leading zeros is the complement of the exponent. The result is exact.
 //!
-//! Tests in `tests/units/words.rs` (all words, by the format in software, which has its tests).
+//! Tests in `raypath-verify-arithmetic`, `tests/units/conversions.rs` (all words, by the format in software, which has
+//! its tests).
 
 use crate::Format;
 use crate::units::normalise::Normalised;

@@ -9,7 +9,7 @@
 //! than all, and each has a place for its carry: the free lowest place of a full adder's carries, or the carry into
 //! the adder. A sum below the normal range is exact and needs no special case.
 //!
-//! Tests: `raypath-verify/tests/units/sums.rs` (an oracle in integers of its own), whole and in parts.
+//! Tests: `raypath-verify-arithmetic/tests/units/sums.rs` (an oracle in integers of its own), whole and in parts.
 
 use crate::Format;
 use crate::units::constants::Constants;

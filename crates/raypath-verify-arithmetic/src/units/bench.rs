@@ -104,7 +104,7 @@ impl Units {
             ("quotient", &self.div, both(b)),
             ("root", &self.sqrt, vec![("a_i", a)]),
         ] {
-            let result = single(name, unit, &inputs);
+            let result = single(&format!("u_{name}"), unit, &inputs);
             let decoded = single(&format!("decode_{name}"), &self.decode, &[("recoded_i", result)]);
             m.output(&format!("{name}_o"), decoded);
         }
