@@ -28,6 +28,17 @@ pub fn depends_combinationally(module: &Arc<Module>, output: &str, input: &str) 
     Ok(false)
 }
 
+/// The names of the inputs that outputs depend on, in the same cycle or through registers and memories.
+///
+/// # Errors
+/// No output of one of these names; a combinational loop.
+pub fn influences<'m>(module: &'m Arc<Module>, outputs: &[&str]) -> Result<Vec<&'m str>, Error> {
+    let positions = outputs.iter().map(|output| module.output_position(output)).collect::<Result<Vec<_>, _>>()?;
+    let roots = positions.into_iter().map(|position| module.outputs[position].signal);
+    let live = live(&loop_free(module)?, roots);
+    Ok(module.inputs.iter().filter(|port| live[port.signal.index()]).map(|port| port.name.as_str()).collect())
+}
+
 /// The operations that a simulator executes. A [`SignalId`] in here is a position in [`Flat::nodes`].
 pub struct Flat {
     /// Operands before readers; no aliases.

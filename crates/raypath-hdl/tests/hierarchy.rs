@@ -1,6 +1,6 @@
 //! Instances: names, observation, paths against the order of instances, loops.
 
-use raypath_hdl::{Builder, Error, Module, Simulator, depends_combinationally};
+use raypath_hdl::{Builder, Error, Module, Simulator, depends_combinationally, influences};
 use std::sync::Arc;
 
 /// A register between a valid/ready pair on each side, ready passing through combinationally.
@@ -88,6 +88,10 @@ fn a_ready_that_runs_backwards_is_no_loop() {
     assert_eq!(depends_combinationally(&four, "ready_o", "valid_i"), Ok(false));
     assert_eq!(depends_combinationally(&four, "data_o", "data_i"), Ok(false));
     assert_eq!(depends_combinationally(&stage(), "ready_o", "ready_i"), Ok(true));
+    // Through registers.
+    assert_eq!(influences(&four, &["ready_o", "valid_o"]), Ok(vec!["valid_i", "ready_i"]));
+    assert_eq!(influences(&four, &["data_o"]), Ok(vec!["valid_i", "data_i", "ready_i"]));
+    assert!(influences(&four, &["other_o"]).is_err());
 }
 
 /// Two independent paths, long enough to be compiled as a function that is called.

@@ -3,6 +3,7 @@
 pub mod campaign;
 pub mod control;
 pub mod coverage;
+pub mod covering;
 pub mod dataflow;
 pub mod geometry;
 pub mod layout;
@@ -21,15 +22,18 @@ pub const ITEMS: &[Item] = &[
     Item {
         name: "control",
         claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for \
-            each beat",
-        oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units",
-        has_configuration: false,
+            each beat; at level full for every preset and every pair of values of the parameters",
+        oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units, \
+            and the netlist's structure, which shows that control does not depend on data",
+        has_configuration: true,
         run: control::control,
     },
     Item {
         name: "operations",
-        claim: "the emitted pipeline computes each operation, for all values of its inputs and states, if its units \
-            compute theirs",
+        claim: "the emitted pipeline computes each operation for a job alone with a ready sink, for all values of its \
+            inputs and states, if its units compute theirs; with the claim of control, jobs in sequence under any \
+            handshakes have the same outcomes, in order; at level full for every preset, every pair of values of the \
+            parameters, and each added operation",
         oracle: "the operation's function over terms, by SMT (Z3), with the emitted SystemVerilog as Yosys reads it; \
             units may be any functions with the laws that docs/development/verification.md lists",
         has_configuration: true,
@@ -89,9 +93,9 @@ pub const ITEMS: &[Item] = &[
     Item {
         name: "text-coverage",
         claim: "the stimuli of campaigns execute 99 % of the lines and branches of the emitted SystemVerilog, and \
-            toggle 99 % of its bits, without what is proved to be out of reach; at level full for every preset, flow \
-            control, sharing, interval, unit latency, encoding, rule set, feature and added operation, and for the \
-            traversal units of their campaign",
+            toggle 99 % of its bits, without what is proved to be out of reach; at level full for every preset, small \
+            datapaths with every pair of values of the parameters, each added operation, and traversal units with \
+            each of their parts; designs with a lower figure are listed with it, and do not fall below it",
         oracle: "Verilator's counters, while its outputs are those of the cycle-exact model; runs that leave out an \
             operation or all nodes, which must be below 99 %",
         has_configuration: true,
@@ -100,7 +104,8 @@ pub const ITEMS: &[Item] = &[
     Item {
         name: "reset",
         claim: "after a reset nothing unknown leaves a port that has a meaning, whatever registers, memories and \
-            inputs without meaning hold; outcomes are those of the models",
+            inputs without meaning hold; outcomes are those of the models; at level full for every preset, and small \
+            datapaths with every pair of values of the parameters",
         oracle: "simulation of the emitted SystemVerilog with unknown values, by Yosys and Icarus Verilog; the \
             cycle-exact and the functional model",
         has_configuration: false,

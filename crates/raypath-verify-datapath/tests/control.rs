@@ -1,8 +1,9 @@
 //! Proofs of the control: they hold for the design, and the same commands find deliberate faults.
 
+use raypath_hdl::Builder;
 use raypath_rtl::{Config, Control, Datapath, Interval, Lanes, UnitLatency};
 use raypath_verify::safety::{CheckResult, ModelChecker, ModuleTexts, TextFault};
-use raypath_verify_datapath::control::{never_leaves, problems, structural_faults};
+use raypath_verify_datapath::control::{data_faults, never_leaves, problems, structural_faults};
 use std::sync::atomic::AtomicBool;
 
 static GO: AtomicBool = AtomicBool::new(false);
@@ -16,7 +17,7 @@ fn result(config: Config, name: &str, fault: Option<TextFault>) -> Option<CheckR
     let datapath = Datapath::new(config).expect("a datapath");
     let mut texts = ModuleTexts::new(datapath.top()).expect("text");
     assert!(fault.is_none_or(|fault| texts.insert(fault)), "{fault:?}");
-    let all = problems(&datapath, config, &texts);
+    let all = problems(&datapath, config, &texts).expect("the text of a pipeline");
     let problem = all.iter().find(|problem| problem.name.starts_with(name)).expect("a problem");
     ModelChecker::find().expect("pyosys").check(problem, &GO).expect("a verdict")
 }
@@ -72,7 +73,7 @@ fn faults_of_the_pipeline_are_found() {
         // A beat that reads before the one before has written.
         (
             config(Control::Skid),
-            "raypath: raypath_stall",
+            "raypath: raypath_beats",
             "raypath_stage_9_1",
             "= angular_pending_q & is_angular",
             "= 1'b0",
@@ -100,4 +101,28 @@ fn the_structure_holds_and_jobs_leave() {
         never.assertions = 2;
         checker.check(&never, &GO).expect_err("one assertion and not two");
     }
+}
+
+/// A valid that waits for a bit of the data, one cycle later.
+#[test]
+fn control_that_depends_on_data_is_found() {
+    let faults = |reads_data: bool| {
+        let m = Builder::new("raypath");
+        let (valid, opcode, ready) =
+            (m.input("input_valid_i", 1), m.input("opcode_i", 2), m.input("output_ready_i", 1));
+        let data = m.input("data_i", 1);
+        let (valid_q, data_q) = (m.register("valid_q", 1).reset_to(0), m.register("data_q", 1));
+        let opcode_q = m.register("opcode_q", 2);
+        let free = (!valid_q.wire() | ready).named("free");
+        valid_q.next_when(free, if reads_data { valid & data } else { valid });
+        data_q.next_when(free, data);
+        opcode_q.next_when(free, opcode);
+        m.output("input_ready_o", free);
+        m.output("output_valid_o", valid_q.wire());
+        m.output("opcode_o", opcode_q.wire());
+        m.output("data_o", data_q.wire());
+        data_faults(&m.finish().expect("a module")).expect("ports of the control")
+    };
+    assert_eq!(faults(false), Vec::<String>::new());
+    assert_eq!(faults(true), ["the control depends on data_i"]);
 }

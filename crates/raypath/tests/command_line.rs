@@ -254,7 +254,7 @@ fn wrong_input_is_named() {
         (&["verify", "nothing"], &["'nothing'", "ITEM", "expected one of testfloat, "]),
         (
             &["verify", "gates", "--preset", "credit"],
-            &["gates does not depend on the configuration", "expected no options of one, or operations, "],
+            &["gates does not depend on the configuration", "expected no options of one, or control, operations, "],
         ),
         (&["verify", "--level", "some"], &["'some' is not a valid level", "regression, full or long"]),
         (&["verify", "--shard", "3/2"], &["'3/2' is not a valid shard", "1 ≤ i ≤ n"]),

@@ -14,7 +14,7 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
         .map(|module| Step::new(format!("{}.", module.name().replacen("raypath", "u", 1)), module))
         .collect();
     let (latency, full) = (datapath.latency() as usize, datapath.capacity() as usize);
-    let mut lemmas = Lemmas::new(full, latency);
+    let mut lemmas = Lemmas::new(datapath, latency);
     steps.reverse();
     let mut first = 0;
     if config.microarchitecture.control == Control::Credit {
@@ -51,10 +51,9 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
 
 /// The lemmas for the exit's module. Its environment counts jobs as the checker does.
 pub fn of_exit(datapath: &Datapath) -> String {
-    let full = datapath.capacity() as usize;
-    let mut lemmas = Lemmas::new(full, 1);
+    let mut lemmas = Lemmas::new(datapath, 1);
     if let Some(module) = datapath.module(datapath.steps().count() - 1) {
-        lemmas.exit(&Step::new(String::new(), module), full - 1);
+        lemmas.exit(&Step::new(String::new(), module), lemmas.full - 1);
     }
     lemmas.assert("environment_q == lemma_count".to_string());
     lemmas.end()
@@ -76,7 +75,10 @@ impl Step {
 
 /// Builds the text slot by slot, the oldest job's slot first.
 struct Lemmas {
+    /// The jobs that fit inside.
     full: usize,
+    /// The bits of an opcode.
+    width: usize,
     max_waits: usize,
     nets: String,
     lemmas: Vec<String>,
@@ -85,10 +87,11 @@ struct Lemmas {
 }
 
 impl Lemmas {
-    fn new(full: usize, max_waits: usize) -> Self {
-        let mut lemmas = Self { full, max_waits, nets: String::new(), lemmas: Vec::new(), before: 0 };
+    fn new(datapath: &Datapath, max_waits: usize) -> Self {
+        let (full, width) = (datapath.capacity() as usize, datapath.top().port_width("opcode_i").unwrap_or(0) as usize);
+        let mut lemmas = Self { full, width, max_waits, nets: String::new(), lemmas: Vec::new(), before: 0 };
         lemmas.observe("count", bits(full + 1), "u_order_properties.count_q");
-        lemmas.observe("inside", 2 * full + 2, "u_order_properties.inside_q");
+        lemmas.observe("inside", width * (full + 1), "u_order_properties.inside_q");
         lemmas.observe("waits", bits(max_waits + 1), "u_order_properties.waits_q");
         lemmas.counter("'0".to_string());
         lemmas
@@ -110,12 +113,13 @@ impl Lemmas {
         let Step { path, width } = step;
         if *width == 0 {
             let suffix = register.split_once(".data").map_or(register, |(_, suffix)| suffix);
-            return self.observe(name, 2, &format!("{path}opcode{suffix}"));
+            return self.observe(name, self.width, &format!("{path}opcode{suffix}"));
         }
         let net = format!("\\{path}{register} ");
         self.nets += &format!("  (* hierconn *) logic [{}:0] {net};\n", width - 1);
+        let (high, low) = (width - 1, *width as usize - self.width);
         self.nets +=
-            &format!("  logic [1:0] lemma_{name};\n  assign lemma_{name} = {net}[{}:{}];\n", width - 1, width - 2);
+            &format!("  logic [{}:0] lemma_{name};\n  assign lemma_{name} = {net}[{high}:{low}];\n", self.width - 1);
         format!("lemma_{name}")
     }
 
@@ -133,10 +137,11 @@ impl Lemmas {
     fn slot(&mut self, full: &str, opcode: &str, max_waits: Option<usize>) {
         let before = self.before;
         self.nets += &format!(
-            "  logic [{}:0] from_{before};\n  assign from_{before} = lemma_inside >> {{before_{before}, 1'b0}};\n",
-            2 * self.full + 1
+            "  logic [{}:0] from_{before};\n  assign from_{before} = lemma_inside >> (32'd{} * before_{before});\n",
+            self.width * (self.full + 1) - 1,
+            self.width
         );
-        self.lemmas.push(format!("!{full} || from_{before}[1:0] == {opcode}"));
+        self.lemmas.push(format!("!{full} || from_{before}[{}:0] == {opcode}", self.width - 1));
         if let Some(max_waits) = max_waits {
             self.lemmas.push(format!("!{full} || before_{before} != 0 || lemma_waits <= {max_waits}"));
         }
@@ -158,7 +163,8 @@ impl Lemmas {
 
     /// The slots of an exit: the front, then the waiting jobs of the circular buffer from its read pointer on.
     fn exit(&mut self, step: &Step, depth: usize) {
-        let path = &step.path;
+        let (path, width) = (&step.path, self.width);
+        let all = width * depth;
         let front = self.observe("front", 1, &format!("{path}u_exit.front_full_q"));
         let waiting = self.observe("waiting", bits(depth), &format!("{path}u_exit.waiting_q"));
         let write = self.observe("write", depth, &format!("{path}u_exit.write_q"));
@@ -167,23 +173,20 @@ impl Lemmas {
             .map(|index| self.observe_opcode(&format!("store_{index}"), step, &format!("u_exit.data_store_{index}_q")))
             .collect();
         let stored: Vec<&str> = stored.iter().rev().map(String::as_str).collect();
-        let high = 2 * depth - 1;
+        let high = all - 1;
         self.nets += &format!("  logic [{high}:0] stored;\n  assign stored = {{{}}};\n", stored.join(", "));
         let turned = |index: usize| match index {
-            0 => format!("({{{}{{{read}[0]}}}} & stored)", 2 * depth),
+            0 => format!("({{{all}{{{read}[0]}}}} & stored)"),
             _ => format!(
-                "({{{}{{{read}[{index}]}}}} & {{stored[{}:0], stored[{high}:{}]}})",
-                2 * depth,
-                2 * index - 1,
-                2 * index
+                "({{{all}{{{read}[{index}]}}}} & {{stored[{}:0], stored[{high}:{}]}})",
+                width * index - 1,
+                width * index
             ),
         };
         let turned: Vec<String> = (0..depth).map(turned).collect();
         self.nets += &format!("  logic [{high}:0] in_turn;\n  assign in_turn = {};\n", turned.join("\n    | "));
-        self.nets += &format!(
-            "  logic [{high}:0] unused;\n  assign unused = {{{}{{1'b1}}}} << {{{waiting}, 1'b0}};\n",
-            2 * depth
-        );
+        self.nets +=
+            &format!("  logic [{high}:0] unused;\n  assign unused = {{{all}{{1'b1}}}} << (32'd{width} * {waiting});\n");
         self.nets +=
             &format!("  logic [{high}:0] write_back;\n  assign write_back = {{{write}, {write}}} >> {waiting};\n");
         let opcode = self.observe_opcode("opcode_front", step, "u_exit.data_q");
@@ -195,7 +198,7 @@ impl Lemmas {
             self.lemmas.push(format!("{pointer} != 0 && ({pointer} & ({pointer} - 1)) == 0"));
         }
         self.lemmas.push(format!("write_back[{}:0] == {read}", depth - 1));
-        self.lemmas.push(format!("((in_turn ^ lemma_inside[2 +: {}]) & ~unused) == 0", 2 * depth));
+        self.lemmas.push(format!("((in_turn ^ lemma_inside[{width} +: {all}]) & ~unused) == 0"));
         self.before += 1;
         self.counter(format!("before_{} + {waiting}", self.before - 1));
     }
@@ -215,7 +218,7 @@ impl Lemmas {
         // The first position of each step after the input, and the opcode that it reads.
         let mut opcodes: Vec<(u32, String)> = Vec::new();
         for ((before, step), &start) in steps.iter().enumerate().zip(&datapath.starts()[1..]) {
-            let opcode = self.observe(&format!("step_opcode_{before}"), 2, &format!("{}opcode_q", step.path));
+            let opcode = self.observe(&format!("step_opcode_{before}"), self.width, &format!("{}opcode_q", step.path));
             opcodes.push((start, opcode));
         }
         for position in (0..count).rev() {
@@ -234,7 +237,7 @@ impl Lemmas {
     fn end(mut self) -> String {
         self.lemmas.push(format!("lemma_count == before_{}", self.before));
         self.lemmas.push(format!("lemma_count <= {}", self.full));
-        self.lemmas.push("(lemma_inside >> {lemma_count, 1'b0}) == 0".to_string());
+        self.lemmas.push(format!("(lemma_inside >> (32'd{} * lemma_count)) == 0", self.width));
         self.lemmas.push("lemma_count != 0 || lemma_waits == 0".to_string());
         let lemmas: Vec<String> = self.lemmas.iter().map(|lemma| format!("({lemma})")).collect();
         format!("{}  always_comb lemmas: assert ({});\n", self.nets, lemmas.join("\n    && "))

@@ -2,10 +2,15 @@
 
 use super::lemmas;
 use raypath_rtl::{Bind, Checker, Config, Control, Datapath, UnitLatency};
+use raypath_tools::ToolError;
+use raypath_verify::Error;
 use raypath_verify::safety::{Method, ModuleTexts, RESET, SafetyProblem};
 
 /// All properties to prove of a datapath.
-pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Vec<SafetyProblem> {
+///
+/// # Errors
+/// The text of the pipeline is not as it is printed.
+pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Result<Vec<SafetyProblem>, Error> {
     let properties = datapath.properties();
     let mut modules: Vec<&str> = properties.binds().iter().map(|bind| bind.module.as_str()).collect();
     modules.dedup();
@@ -19,11 +24,22 @@ pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Vec
         // The order of many jobs needs lemmas, the order in a single step does not.
         let is_long = |bind: &&&Bind| (is_top || is_exit) && bind.checker == Checker::Order;
         let (order, others): (Vec<&Bind>, Vec<&Bind>) = own.iter().partition(is_long);
+        // A stalled output is stable whatever data enter the last step. With them the proof would take the whole path of
+        // the data.
+        let (stall, others): (Vec<&Bind>, Vec<&Bind>) =
+            others.into_iter().partition(|bind| bind.checker == Checker::Stall);
         let environment = environment(datapath, config, module);
         // A longer pipeline is proved step by step.
         let order =
             if is_top && config.microarchitecture.unit_latency != UnitLatency::One { Vec::new() } else { order };
         let lemmas = || if is_top { lemmas::of_pipeline(datapath, config) } else { lemmas::of_exit(datapath) };
+        if !stall.is_empty() {
+            let problem = problem(texts, module, &stall, &environment, Method::Unbounded);
+            problems.push(SafetyProblem {
+                text: with_free_data(&problem.text, module, last.map(|last| last.name()))?,
+                ..problem
+            });
+        }
         for (binds, method) in [(others, Method::Unbounded), (order, Method::Inductive)] {
             if !binds.is_empty() {
                 let (besides, more) = match method {
@@ -35,7 +51,26 @@ pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Vec
             }
         }
     }
-    problems
+    Ok(problems)
+}
+
+/// The text with any data before the last step: the words that the steps before it pass on are connected to nothing.
+fn with_free_data(text: &str, top: &str, last: Option<&str>) -> Result<String, Error> {
+    const WORD: &str = ".data_o (";
+    let unexpected = |found: &str| ToolError::unexpected("raypath", found.to_string(), "the text of a pipeline");
+    let begin = text.find(&format!("\nmodule {top} (")).ok_or_else(|| unexpected("no top module"))?;
+    let (before, text) = text.split_at(begin);
+    let (own, after) = text.split_once("\nendmodule").ok_or_else(|| unexpected("no end of the top module"))?;
+    let last = last.unwrap_or_default();
+    let steps = own.split_once(&format!("\n  {last} "));
+    let (steps, rest) = steps.ok_or_else(|| unexpected("no last step"))?;
+    let mut words = steps.split(WORD);
+    let mut free = words.next().unwrap_or_default().to_string();
+    for word in words {
+        let (_, rest) = word.split_once(')').ok_or_else(|| unexpected(word))?;
+        free += &format!("{WORD}){rest}");
+    }
+    Ok(format!("{before}{free}\n  {last} {rest}\nendmodule{after}"))
 }
 
 fn problem(texts: &ModuleTexts, module: &str, binds: &[&Bind], environment: &str, method: Method) -> SafetyProblem {

@@ -1,8 +1,9 @@
-//! Structural checks of the netlist: the steps form a chain, and in each step all data registers load with the
-//! opcode's.
+//! Structural checks of the netlist: the steps form a chain, in each step all data registers load with the opcode's,
+//! and no handshake and no opcode depends on data.
 
-use raypath_hdl::{Driver, Module, RegisterInfo, SignalId, depends_combinationally};
+use raypath_hdl::{Driver, Module, RegisterInfo, SignalId, depends_combinationally, influences};
 use raypath_rtl::{Config, Control, Datapath};
+use std::sync::Arc;
 
 /// The faults in a datapath's structure; empty if it is as required.
 ///
@@ -19,12 +20,26 @@ pub fn structural_faults(datapath: &Datapath, config: Config) -> Result<Vec<Stri
             }
         }
     }
-    for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
+    faults.extend(data_faults(datapath.top())?);
+    for output in CONTROL_OUTPUTS {
         if depends_combinationally(datapath.top(), output, "output_ready_i")? {
             faults.push(format!("{output} depends on output_ready_i in the same cycle"));
         }
     }
     Ok(faults)
+}
+
+/// The control's outputs of a datapath.
+const CONTROL_OUTPUTS: [&str; 3] = ["input_ready_o", "output_valid_o", "opcode_o"];
+
+/// Checks that no handshake and no opcode of a datapath depends on data, in any cycle.
+///
+/// # Errors
+/// A port of the control is missing; the netlist has a combinational loop.
+pub fn data_faults(top: &Arc<Module>) -> Result<Vec<String>, raypath_hdl::Error> {
+    let control = ["input_valid_i", "opcode_i", "output_ready_i"];
+    let data = influences(top, &CONTROL_OUTPUTS)?.into_iter().filter(|input| !control.contains(input));
+    Ok(data.map(|input| format!("the control depends on {input}")).collect())
 }
 
 /// Checks that every step takes valid, opcode and data from the step before, and ready from the step after.
