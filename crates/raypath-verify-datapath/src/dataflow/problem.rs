@@ -163,13 +163,6 @@ impl Problem {
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.pairs.iter().map(|(name, ..)| name.as_str())
     }
-
-    /// The script that asks what differs, to run if something does. Its answers are `d0`, `d1` and so on, in the order
-    /// of [`names`](Self::names).
-    pub fn differences(&self) -> String {
-        let answers = (0..self.pairs.len()).map(|number| format!("d{number}")).collect::<Vec<_>>().join(" ");
-        self.script.differs(&self.pairs) + &format!("(get-value ({answers}))\n")
-    }
 }
 
 fn find(ports: &BTreeMap<String, Id>, name: &str) -> Result<Id, Error> {
