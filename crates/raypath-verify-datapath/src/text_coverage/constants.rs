@@ -1,76 +1,141 @@
-//! Bits that cannot change: they are constant for any inputs of their module but those that all its instances tie to a
-//! constant, any registers that have a reset, and any outputs of instances in it but [`INLINED`], as Yosys proves by
-//! SAT and induction. Registers without a reset begin with 0, as they do in
-//! [`raypath_tools::Verilated::coverage`].
+//! Bits that cannot change, by proof: ABC finds signals that are constant by induction over all registers together
+//! (signal correspondence, Mishchenko et al. 2008), so that what one stage shows holds in the next.
+//!
+//! The bits of a stage are proved in the whole pipeline, whatever its inputs and the results of adders, multipliers and
+//! sums are; those of a unit in the unit alone, for any inputs but those that all its instances tie to a constant.
+//! Registers begin with 0, as they do in [`raypath_tools::Verilated::coverage`].
 
-use raypath_tools::{CoverageKind, CoveragePoint, ToolError, Yosys, read, temporary_folder, write};
+use raypath_hdl::Module;
+use raypath_tools::{Abc, CoverageKind, CoveragePoint, ToolError, Yosys, YosysKind, read, temporary_folder, write};
 use raypath_verify::Error;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 /// The module and the bit, `num_q[3]`.
 pub type Bit = (String, String);
 
-/// Instances that are read with the module around them: an encoder makes constant bits of a constant fraction, a
-/// converter of short words to numbers has constant lower bits, and so have the remainders of the parts of a divider.
-const INLINED: &str = "t:raypath_fp_encode_* t:raypath_fp_number_* t:raypath_fp_div_*";
-/// One step of induction, in which registers without a reset begin with 0. Yosys leaves registers with a reset free.
-const PROOF: &str = "sat -ignore_unknown_cells -tempinduct -maxsteps 1 -set-init-zero";
-/// What Yosys prints at the end of a proof, and whether it has proved the claim.
-const OUTCOMES: [(&str, bool); 3] = [
-    ("Induction step proven: SUCCESS!", true),
-    ("Reached maximum number of time steps -> proof failed.", false),
-    ("SAT temporal induction proof finished - model found for base case: FAIL!", false),
-];
+/// The instances of a design: the paths of each module, empty or instance names that each end in a dot.
+pub type Places = BTreeMap<String, Vec<String>>;
 
+/// Units whose results may be any.
+const FREE: &str = "delete t:raypath_fp_add_* t:raypath_fp_mul_* t:raypath_fp_sum_*\n";
+/// The commands from a module to an and-inverter graph with its state.
+const TO_GRAPH: &str = "memory; opt_clean; setundef -undriven -anyseq; setundef -init -zero; async2sync; dffunmap; techmap; \
+                        opt_clean; aigmap";
 const SCRIPT: &str = "constants.ys";
-const ANSWERS: &str = "answers.txt";
+const LIMIT: Duration = Duration::from_secs(600);
+
+/// The places of all modules under this one.
+pub fn places(top: &Module) -> Places {
+    let mut places = Places::new();
+    let mut open = vec![(String::new(), top)];
+    while let Some((path, module)) = open.pop() {
+        open.extend(module.instances().iter().map(|it| (format!("{path}{}.", it.name), &*it.module)));
+        places.entry(module.name().to_string()).or_default().push(path);
+    }
+    places
+}
+
+/// What is proved of a module: bits with their names in it, by what they are in the design.
+struct Question<'t> {
+    top: &'t str,
+    bits: Vec<(Bit, String, u64)>,
+}
 
 /// The bits of this text, among those that were not toggled, that are proved to be constant, with their values. Modules
-/// with parameters, whose widths differ by instance, are left out.
-pub fn constants(text: &str, points: &[CoveragePoint]) -> Result<BTreeMap<Bit, bool>, Error> {
-    let has_parameters = |module: &str| text.contains(&format!("module {module} #("));
-    let mut bits: BTreeMap<&str, Vec<(&str, u64)>> = BTreeMap::new();
-    for point in points.iter().filter(|point| point.kind == CoverageKind::Toggle && !has_parameters(&point.module)) {
-        // A bit that has changed once can only be 1, because it began with 0.
-        if point.hits < 2 && is_plain(&point.name) {
-            bits.entry(&point.module).or_default().push((&point.name, point.hits));
+/// with parameters, whose widths differ by instance, are left out, and so are stages of which there are several.
+///
+/// # Errors
+/// A program is missing or fails.
+pub fn constants(
+    text: &str,
+    top: &str,
+    places: &Places,
+    points: &[CoveragePoint],
+) -> Result<BTreeMap<Bit, bool>, Error> {
+    let mut questions = vec![Question { top, bits: Vec::new() }];
+    for point in points.iter().filter(|point| point.kind == CoverageKind::Toggle && point.hits < 2) {
+        let module = point.module.as_str();
+        if !is_plain(&point.name) || text.contains(&format!("module {module} #(")) {
+            continue;
+        }
+        let bit = (module.to_string(), point.name.clone());
+        match places.get(module).map(Vec::as_slice) {
+            _ if is_unit(module) => match questions.iter_mut().find(|question| question.top == module) {
+                Some(question) => question.bits.push((bit, point.name.clone(), point.hits)),
+                None => questions.push(Question { top: module, bits: vec![(bit, point.name.clone(), point.hits)] }),
+            },
+            Some([path]) => questions[0].bits.push((bit, format!("{path}{}", point.name), point.hits)),
+            _ => {}
         }
     }
-    if bits.is_empty() {
-        return Ok(BTreeMap::new());
-    }
-    let mut script = String::from("read_verilog -sv text.sv\nproc\n");
-    for (module, bits) in &bits {
-        let tied: Vec<String> = tied(text, module).iter().map(|(port, value)| format!("-set {port} {value}")).collect();
-        let sat = format!("tee -q -a {ANSWERS} {PROOF} {}", tied.join(" "));
-        script += &format!("cd {module}\nflatten {INLINED}\n");
-        for (name, value) in bits {
-            // Yosys imports the logic that drives the signal; the whole module takes many times as long.
-            script += &format!("{sat} -prove {name} 1'b{value} w:{} %ci*\n", signal(name));
+    questions.retain(|question| !question.bits.is_empty());
+    let mut script = String::from("read_verilog -sv text.sv\ndesign -save text\n");
+    for (number, Question { top: module, bits }) in questions.iter().enumerate() {
+        let free = if *module == top { FREE } else { "" };
+        script += &format!("design -load text\nhierarchy -top {module}\nproc\n{free}flatten\ncd {module}\n");
+        for (port, value) in tied(text, module) {
+            script += &format!("delete -input w:{port}\nconnect -set {port} {value}\n");
         }
-        script += "cd ..\n";
+        let wires: Vec<String> = bits.iter().map(|(_, name, _)| format!("w:{}", signal(name))).collect();
+        script += &format!(
+            "delete -output o:*\nexpose {}\n{TO_GRAPH}\nwrite_aiger -zinit -symbols {number}.aig\n",
+            wires.join(" ")
+        );
     }
     let folder = temporary_folder()?;
-    write(&folder.path().join("text.sv"), text)?;
-    write(&folder.path().join(SCRIPT), &script)?;
-    Yosys::find(None)?.run(folder.path(), SCRIPT, "bits that were not toggled", &AtomicBool::new(false))?;
-    let answers = String::from_utf8_lossy(&read(&folder.path().join(ANSWERS))?).into_owned();
-    let answers: Vec<bool> = answers
-        .lines()
-        .filter_map(|line| OUTCOMES.iter().find_map(|&(end, is_proved)| (line == end).then_some(is_proved)))
-        .collect();
-    let asked: Vec<(Bit, bool)> = bits
-        .iter()
-        .flat_map(|(module, bits)| {
-            bits.iter().map(|&(name, value)| ((module.to_string(), name.to_string()), value == 1))
-        })
-        .collect();
-    if answers.len() != asked.len() {
-        let found = format!("{} answers", answers.len());
-        return Err(ToolError::unexpected("Yosys's sat", found, asked.len().to_string()).into());
+    let (folder, stop) = (folder.path(), &AtomicBool::new(false));
+    write(&folder.join("text.sv"), text)?;
+    write(&folder.join(SCRIPT), &script)?;
+    Yosys::find(Some(YosysKind::Python))?.run(folder, SCRIPT, "bits that were not toggled", stop)?;
+    let (abc, mut constants) = (Abc::find()?, BTreeMap::new());
+    for (number, Question { bits, .. }) in questions.into_iter().enumerate() {
+        let found = outputs(&abc, folder, number)?;
+        // A bit that has changed once can only be 1, because it began with 0.
+        let proved = bits.into_iter().filter(|(_, name, hits)| found.get(name) == Some(&(*hits == 1)));
+        constants.extend(proved.map(|(bit, _, hits)| (bit, hits == 1)));
     }
-    Ok(asked.into_iter().zip(answers).filter_map(|(bit, is_proved)| is_proved.then_some(bit)).collect())
+    Ok(constants)
+}
+
+/// The outputs of a graph that are constant, by the names of their bits, with their values.
+fn outputs(abc: &Abc, folder: &Path, number: usize) -> Result<BTreeMap<String, bool>, Error> {
+    let unexpected = |found: &str| ToolError::unexpected("abc", found.to_string(), "a graph with constant outputs");
+    let lines = |name: &str| -> Result<Vec<String>, Error> {
+        let bytes = read(&folder.join(name))?;
+        Ok(bytes.split(|byte| *byte == b'\n').map(|line| String::from_utf8_lossy(line).into_owned()).collect())
+    };
+    let graph = lines(&format!("{number}.aig"))?;
+    // "aig", and the numbers of variables, inputs, latches, outputs and gates. A line for each latch and output follows.
+    let counts = |graph: &[String]| {
+        let counts: Vec<usize> = graph[0].split(' ').skip(3).filter_map(|word| word.parse().ok()).collect();
+        counts.first().copied().zip(counts.get(1).copied()).ok_or_else(|| unexpected(&graph[0]))
+    };
+    let (latches, _) = counts(&graph)?;
+    let (sweep, swept) = (if latches == 0 { "fraig" } else { "scorr -k" }, format!("swept_{number}.aig"));
+    let commands = format!("read_aiger {number}.aig; {sweep}; write_aiger {swept}");
+    let said = abc.run(folder, &commands, LIMIT, &AtomicBool::new(false))?.unwrap_or_default();
+    if !folder.join(&swept).exists() {
+        return Err(unexpected(&said).into());
+    }
+    let swept = lines(&swept)?;
+    let (latches, count) = counts(&swept)?;
+    let swept: Vec<String> = swept.into_iter().skip(1 + latches).take(count).collect();
+    // The names follow the gates, which are binary: "o3 b_o[1]", and a comment.
+    let is_name = |line: &&String| line.starts_with(['i', 'l', 'o']);
+    let names = graph.iter().rev().skip_while(|line| *line != "c").skip(1).take_while(is_name);
+    let output = |name: &String| {
+        let (place, name) = name.strip_prefix('o')?.split_once(' ')?;
+        let literal = swept.get(place.parse::<usize>().ok()?)?;
+        Some((name.to_string(), ["0", "1"].iter().position(|constant| constant == literal)? == 1))
+    };
+    Ok(names.filter_map(output).collect())
+}
+
+fn is_unit(module: &str) -> bool {
+    module.starts_with("raypath_fp_") || module.starts_with("raypath_narrow_")
 }
 
 /// The inputs of one bit that have the same constant in each instance of a module in this text, with its literal.
@@ -106,64 +171,66 @@ fn is_plain(name: &str) -> bool {
 mod tests {
     use super::*;
 
+    fn point(module: &str, name: &str, hits: u64) -> CoveragePoint {
+        CoveragePoint { kind: CoverageKind::Toggle, module: module.to_string(), line: 4, name: name.to_string(), hits }
+    }
+
+    /// The constants of a text whose top is `m`, with these places.
+    fn found(text: &str, places: &[(&str, &str)], points: &[CoveragePoint]) -> Vec<(String, bool)> {
+        let places = places.iter().map(|(module, path)| (module.to_string(), vec![path.to_string()])).collect();
+        let found = constants(text, "m", &places, points).expect("Yosys and ABC");
+        found.into_iter().map(|((_, name), value)| (name, value)).collect()
+    }
+
     #[test]
     fn only_bits_that_are_constant_for_any_inputs_are_proved() {
         let text = "module m (\n  input logic clk_i, rst_ni,\n  input logic [1:0] a_i,\n  output logic [3:0] b_o\n);\n  \
                     logic q, r, zero;\n  always_ff @(posedge clk_i) begin q <= a_i[0]; if (q) zero <= 1'b0; end\n  \
-                    always_ff @(posedge clk_i or negedge rst_ni) if (!rst_ni) r <= 1'b0; else r <= 1'b0;\n  \
+                    always_ff @(posedge clk_i or negedge rst_ni) if (!rst_ni) r <= 1'b1; else r <= 1'b0;\n  \
                     assign b_o = {q, a_i[0] | ~a_i[0], a_i[0] & ~a_i[0], a_i[1]};\nendmodule\n";
-        let point = |name: &str, hits| CoveragePoint {
-            kind: CoverageKind::Toggle,
-            module: "m".to_string(),
-            line: 4,
-            name: name.to_string(),
-            hits,
-        };
-        let points = [
-            ("b_o[0]", 0),
-            ("b_o[1]", 0),
-            ("b_o[2]", 1),
-            ("b_o[3]", 0),
-            ("a_i[1]", 0),
-            ("b_o[2]", 0),
-            ("q", 0),
-            ("zero", 0),
-            ("r", 0),
-        ];
-        let found = constants(text, &points.map(|(name, hits)| point(name, hits))).expect("Yosys");
-        let found: Vec<(&str, bool)> = found.iter().map(|((_, name), value)| (name.as_str(), *value)).collect();
+        let names = [("b_o[0]", 0), ("b_o[1]", 0), ("b_o[2]", 1), ("b_o[3]", 0), ("q", 0), ("zero", 0), ("r", 0)];
+        let points = names.map(|(name, hits)| point("m", name, hits));
+        let found = found(text, &[("m", "")], &points);
+        let found: Vec<(&str, bool)> = found.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         assert_eq!(found, [("b_o[1]", false), ("b_o[2]", true), ("zero", false)]);
     }
 
+    /// A register whose bit is constant because that of the stage before is, behind a comparison.
     #[test]
-    fn the_text_of_some_instances_is_read_and_that_of_others_is_not() {
-        let is_constant = |part: &str| {
+    fn what_one_stage_shows_holds_in_the_next() {
+        let is_constant = |unit: &str| {
             let text = format!(
-                "module {part} (\n  input logic [1:0] word_i,\n  output logic [3:0] recoded_o\n);\n  assign \
-                 recoded_o = {{word_i, 2'b00}};\nendmodule\nmodule m (\n  input logic [1:0] a_i,\n  output logic \
-                 [3:0] b_o\n);\n  {part} u_part (\n    .word_i (a_i), .recoded_o (b_o)\n  );\nendmodule\n"
+                "module {unit} (\n  input logic [1:0] a_i,\n  output logic [1:0] b_o\n);\n  assign b_o = {{1'b0, \
+                 a_i[0]}};\nendmodule\nmodule stage (\n  input logic clk_i,\n  input logic [1:0] a_i,\n  output logic \
+                 [1:0] b_o\n);\n  logic [1:0] b_q;\n  always_ff @(posedge clk_i) b_q <= a_i;\n  assign b_o = b_q;\n\
+                 endmodule\nmodule first (\n  input logic clk_i,\n  input logic [1:0] a_i,\n  output logic [1:0] b_o\n);\n  \
+                 logic [1:0] b;\n  logic [1:0] b_q;\n  {unit} u_unit (\n    .a_i, .b_o (b)\n  );\n  always_ff @(posedge \
+                 clk_i) b_q <= b;\n  assign b_o = b_q;\nendmodule\nmodule m (\n  input logic clk_i,\n  input logic [1:0] \
+                 a_i,\n  output logic [1:0] b_o\n);\n  logic [1:0] b;\n  first u_first (.clk_i, .a_i, .b_o (b));\n  stage \
+                 u_stage (.clk_i, .a_i (b), .b_o);\nendmodule\n"
             );
-            let name = "b_o[1]".to_string();
-            let point = CoveragePoint { kind: CoverageKind::Toggle, module: "m".into(), line: 8, name, hits: 0 };
-            !constants(&text, &[point]).expect("Yosys").is_empty()
+            let points = [point("stage", "b_q[0]", 0), point("stage", "b_q[1]", 0)];
+            let found = found(&text, &[("m", ""), ("first", "u_first."), ("stage", "u_stage.")], &points);
+            assert!(found.iter().all(|(name, value)| name == "b_q[1]" && !value), "{found:?}");
+            !found.is_empty()
         };
-        assert!(is_constant("raypath_fp_encode_e4s5"));
-        assert!(is_constant("raypath_fp_number_e4s5_w2"));
-        assert!(is_constant("raypath_fp_div_e4s5_part_1_of_2"));
+        assert!(is_constant("raypath_fp_compare_e4s5"));
         assert!(!is_constant("raypath_fp_mul_e4s5"));
     }
 
     #[test]
     fn an_input_is_tied_if_all_instances_have_the_same_constant() {
-        let text = "module top;\n  part u_a (\n    .clk_i, .a_i (1'b1), .b_i (1'b1),\n    .c_i (1'b0)\n  );\n\n  \
-                    part u_b (\n    .clk_i, .a_i (1'b1), .b_i (free), .c_i (1'b1), .d_i (1'b0)\n  );\nendmodule\n";
-        assert_eq!(tied(text, "part"), [("a_i", "1'b1")]);
-        assert_eq!(tied(text, "other"), []);
-        let part = "module part (input logic a_i, output logic a_o);\n  assign a_o = ~a_i;\nendmodule\n";
-        let point =
-            CoveragePoint { kind: CoverageKind::Toggle, module: "part".into(), line: 1, name: "a_o".into(), hits: 0 };
-        let is_constant = |text: &str| !constants(text, std::slice::from_ref(&point)).expect("Yosys").is_empty();
-        assert!(is_constant(&(text.to_string() + part)));
-        assert!(!is_constant(part));
+        const UNIT: &str = "raypath_fp_part";
+        let text = format!(
+            "module m;\n  {UNIT} u_a (\n    .clk_i, .a_i (1'b1), .b_i (1'b1),\n    .c_i (1'b0)\n  );\n\n  {UNIT} u_b (\n    \
+             .clk_i, .a_i (1'b1), .b_i (free), .c_i (1'b1), .d_i (1'b0)\n  );\nendmodule\n"
+        );
+        assert_eq!(tied(&text, UNIT), [("a_i", "1'b1")]);
+        assert_eq!(tied(&text, "other"), []);
+        let unit = format!("module {UNIT} (input logic a_i, output logic a_o);\n  assign a_o = ~a_i;\nendmodule\n");
+        let instance = format!("module m;\n  logic b;\n  {UNIT} u_a (\n    .a_i (1'b1), .a_o (b)\n  );\nendmodule\n");
+        let points = [point(UNIT, "a_o", 0)];
+        assert_eq!(found(&(instance + &unit), &[("m", "")], &points), [("a_o".to_string(), false)]);
+        assert_eq!(found(&(unit + "module m;\nendmodule\n"), &[("m", "")], &points), []);
     }
 }

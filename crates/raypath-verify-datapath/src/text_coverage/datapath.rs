@@ -1,144 +1,90 @@
 //! A datapath, with the jobs and handshakes of campaigns.
 
-use super::design::{Design, Run, episodes_of};
 use crate::campaign::Episode;
 use crate::layout::Layout;
 use crate::subjects::Subject;
 use raypath_hdl::Module;
-use raypath_model::{OperationId, Shape, WordModel, Words};
-use raypath_sim::engine::{CycleEngine, Engine, PortEncoding, Shown, observe, shape};
-use raypath_sim::frames::Expected;
+use raypath_model::{OperationId, Shape, WordModel};
+use raypath_sim::engine::{PortEncoding, shape};
+use raypath_sim::frames::{Answers, Expected, Stimulus};
 use raypath_sim::traffic::Traffic;
 use raypath_verify::Error;
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The episodes of a run.
 const EPISODES: u64 = 8;
 
 /// A datapath.
-pub struct DatapathDesign {
+pub struct Design {
     encoding: PortEncoding,
     model: WordModel,
-    top: Arc<Module>,
+    /// The top module.
+    pub top: Arc<Module>,
     shape: Shape,
 }
 
-impl DatapathDesign {
+/// The words of `rst_ni` and of all inputs in each cycle, and what the outputs must be: `None` in a first reset, and for
+/// jobs whose opcode is not configured.
+pub type Cycles = (Vec<Vec<u64>>, Vec<Option<Expected>>);
+
+impl Design {
     pub fn new(subject: &Subject) -> Result<Self, Error> {
         let datapath = subject.datapath().elaborate()?;
         let (top, shape) = (datapath.top().clone(), shape(subject.config, &datapath));
         Ok(Self { encoding: PortEncoding::of(subject.config), model: subject.datapath().model(), top, shape })
     }
-}
 
-impl Design for DatapathDesign {
-    fn top(&self) -> &Arc<Module> {
-        &self.top
+    /// The cycles of an episode of a campaign, without the jobs of one operation.
+    fn episode(&self, seed: u64, number: u64, omitted: Option<OperationId>) -> Cycles {
+        let mut trace = Episode::new(&self.model, &Layout::of(&self.model), seed, number).trace();
+        trace.jobs.retain(|job| Some(job.kind()) != omitted);
+        let stimulus = Stimulus {
+            shape: self.shape.clone(),
+            encoding: self.encoding,
+            jobs: &trace.jobs,
+            answers: Answers::Model(self.model.clone()),
+            // Two cycles of a reset come first.
+            resets: (2..).zip(&trace.cycles).filter(|(_, cycle)| cycle.resets).map(|(number, _)| number).collect(),
+            traffic: Traffic::recorded(trace.cycles),
+        };
+        stimulus.cycles(&self.top).into_iter().map(|cycle| (cycle.inputs, cycle.expected)).unzip()
     }
 
-    fn omissions(&self) -> Vec<String> {
+    /// The opcodes that are not configured.
+    fn other_opcodes(&self) -> Vec<u64> {
+        let configured: Vec<u64> = self.model.kinds().into_iter().map(OperationId::opcode).collect();
+        let width = self.top.port_width("opcode_i").unwrap_or(0);
+        (0..1 << width).filter(|opcode| !configured.contains(opcode)).collect()
+    }
+
+    /// What the stimuli can leave out.
+    pub fn omissions(&self) -> Vec<String> {
         let operations = self.model.kinds();
         if operations.len() > 1 { operations.iter().map(|it| format!("jobs of {it}")).collect() } else { Vec::new() }
     }
 
     /// Episodes of a campaign of this seed, one after another, without the jobs of one operation. Opcodes that are not
     /// configured, which campaigns never offer, replace those of the last episode once more.
-    fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Result<Run, String> {
-        let (model, top) = (&self.model, &self.top);
-        let omitted = omitted.map(|place| model.kinds()[place]);
-        let mut recorder = Recorder::new(model, top, &self.shape, self.encoding);
+    pub fn run(&self, seed: u64, number: u64, omitted: Option<usize>) -> Cycles {
+        let kind = omitted.map(|place| self.model.kinds()[place]);
+        let (mut frames, mut expected) = (Vec::new(), Vec::new());
         let mut last = 0;
-        for number in episodes_of(number, EPISODES) {
-            last = recorder.frames.len();
-            let mut trace = Episode::new(model, &Layout::of(model), seed, number).trace();
-            trace.jobs.retain(|job| Some(job.kind()) != omitted);
-            recorder.reset();
-            observe(&mut recorder, trace.jobs.iter(), &mut Traffic::recorded(trace.cycles), |_| true);
+        for number in number * EPISODES..(number + 1) * EPISODES {
+            let (inputs, outputs) = self.episode(seed, number, kind);
+            last = frames.len();
+            frames.extend(inputs);
+            expected.extend(outputs);
         }
-        if omitted.is_none() {
-            recorder.offer_other_opcodes(last, model, top);
+        let (others, opcode) = (self.other_opcodes(), self.top.inputs().iter().position(|it| it.name == "opcode_i"));
+        if let Some(opcode) = opcode.filter(|_| omitted.is_none() && !others.is_empty()) {
+            for cycle in last..frames.len() {
+                let mut frame: Vec<u64> = frames[cycle].clone();
+                // The reset comes before the ports.
+                frame[opcode + 1] = others[cycle % others.len()];
+                frames.push(frame);
+                expected.push(None);
+            }
         }
-        let Recorder { frames, expected, .. } = recorder;
-        let top = top.clone();
-        let fault = move |cycle: usize, words: &[u64]| expected.get(cycle)?.as_ref()?.fault(&top, words);
-        Ok(Run { frames, fault: Box::new(fault) })
-    }
-}
-
-/// The cycle-exact model, as an engine whose inputs and outputs are recorded.
-struct Recorder {
-    engine: CycleEngine,
-    encoding: PortEncoding,
-    /// The position in a frame of each input.
-    positions: HashMap<String, usize>,
-    /// The frame of the next cycle.
-    inputs: Vec<u64>,
-    frames: Vec<Vec<u64>>,
-    /// What the outputs must be: `None` in a reset, and for jobs whose opcode is not configured.
-    expected: Vec<Option<Expected>>,
-}
-
-impl Recorder {
-    fn new(model: &WordModel, top: &Module, shape: &Shape, encoding: PortEncoding) -> Self {
-        let positions: HashMap<String, usize> = top.inputs().iter().map(|port| port.name.clone()).zip(1..).collect();
-        let inputs = vec![0; positions.len() + 1];
-        let engine = CycleEngine::new(model.clone(), shape);
-        Self { engine, encoding, positions, inputs, frames: Vec::new(), expected: Vec::new() }
-    }
-
-    fn set(&mut self, port: &str, word: u64) {
-        if let Some(&position) = self.positions.get(port) {
-            self.inputs[position] = word;
-        }
-    }
-
-    fn push(&mut self, expected: Option<Expected>) {
-        self.frames.push(self.inputs.clone());
-        self.expected.push(expected);
-    }
-
-    /// Repeats the cycles from this one on with other opcodes.
-    fn offer_other_opcodes(&mut self, first: usize, model: &WordModel, top: &Module) {
-        let configured: Vec<u64> = model.kinds().into_iter().map(OperationId::opcode).collect();
-        let width = top.port_width("opcode_i").unwrap_or(0);
-        let others: Vec<u64> = (0..1 << width).filter(|opcode| !configured.contains(opcode)).collect();
-        if others.is_empty() {
-            return;
-        }
-        let last = self.frames.len();
-        let position = self.positions["opcode_i"];
-        for cycle in first..last {
-            let mut frame = self.frames[cycle].clone();
-            frame[position] = others[cycle % others.len()];
-            self.frames.push(frame);
-            self.expected.push(None);
-        }
-    }
-}
-
-impl Engine for Recorder {
-    fn present(&mut self, job: &Words) {
-        self.engine.present(job);
-        self.set("opcode_i", job.kind().opcode());
-        for port in job.ports() {
-            self.set(&format!("{}_i", port.name), self.encoding.to_port(port.kind, port.bits));
-        }
-    }
-
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
-        self.inputs[0] = 1;
-        self.set("input_valid_i", input_valid.into());
-        self.set("output_ready_i", output_ready.into());
-        let shown = self.engine.cycle(input_valid, output_ready);
-        let Shown { input_ready, output } = shown.clone();
-        self.push(Some(Expected { input_ready, output, encoding: self.encoding }));
-        shown
-    }
-
-    fn reset(&mut self) {
-        self.inputs[0] = 0;
-        self.engine.reset();
-        self.push(None);
+        (frames, expected)
     }
 }
