@@ -7,11 +7,11 @@ mod datapath;
 mod faults;
 mod traversal;
 
+use crate::covering::{Space, presets_and_pairs};
 use faults::{LostReset, lost_resets};
 use raypath_float::Format;
 use raypath_hdl::{Module, verilog};
-use raypath_ops::{BoxBits, Culling, Rounding, Rules};
-use raypath_rtl::{Accumulators, Config, Control, Datapath, Features, Interval, Lanes, PRESETS, Sharing, UnitLatency};
+use raypath_rtl::{Config, Control, Datapath, Interval, Lanes};
 use raypath_tools::{FourState, KnownWord, pool, temporary_folder};
 use raypath_verify::{Error, Level, Request, Verdict};
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ use std::sync::Arc;
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (level, seed, shard) = (request.level, request.seed, request.shard);
     let mut work = Vec::new();
-    for (subject, loses_resets) in subjects(level) {
+    for (subject, loses_resets) in subjects(level)? {
         let lost = lost_resets(&text_of(&subject.top()?)?);
         work.push((subject, None));
         work.extend(lost.into_iter().filter(|_| loses_resets).map(|lost| (subject, Some(lost))));
@@ -150,32 +150,21 @@ impl Found {
     }
 }
 
-/// The designs of a level, and whether each also runs with lost resets.
-fn subjects(level: Level) -> Vec<(Subject, bool)> {
+/// The designs of a level, and whether each also runs with lost resets. Full: the presets, and small datapaths with
+/// every pair of values of the parameters.
+///
+/// # Errors
+/// A parameter without the values that are given here.
+fn subjects(level: Level) -> Result<Vec<(Subject, bool)>, Error> {
     let small = Config::DEFAULT.lanes(Lanes::Two).format(Format::BINARY16);
-    let small = [small, small.control(Control::Credit).interval(Interval::Two)];
+    let (small, folded) =
+        (Subject::Datapath(small), Subject::Datapath(small.control(Control::Credit).interval(Interval::Two)));
     if level == Level::Regression {
-        return vec![(Subject::Datapath(small[0]), true), (Subject::Datapath(small[1]), false)];
+        return Ok(vec![(small, true), (folded, false)]);
     }
-    let mut configs: Vec<(Config, bool)> = small.map(|config| (config, true)).into();
-    configs.extend(PRESETS.iter().map(|preset| (preset.config, false)));
-    for &control in Control::ALL {
-        let of = Config::DEFAULT.lanes(Lanes::Two).format(Format::BINARY16).control(control);
-        configs.extend(UnitLatency::ALL.iter().map(|&latency| (of.unit_latency(latency), true)));
-        configs.extend(UnitLatency::ALL.iter().map(|&latency| (of.unit_latency(latency).clock_gating(true), false)));
-        configs.extend(Interval::ALL.iter().map(|&interval| (of.interval(interval), true)));
-        let features = Features { tag: 8, barycentrics: true, facing: true, culling: Culling::None, ..Features::OFF };
-        configs.extend([
-            (of.sharing(Sharing::Segregated), false),
-            (of.features(Features { range: true, ..features }), false),
-            (of.format(Format::BINARY32).features(Features { exception_flags: true, ..Features::OFF }), false),
-            (of.features(Features { accumulators: Accumulators::Four, ..Features::OFF }), true),
-            (of.rules(Rules::Bounds(BoxBits::DEFAULT)).box_bits(BoxBits(9)), false),
-            (of.rounding(Rounding::Sum), true),
-        ]);
-    }
-    let unit = [(Subject::Unit, false)];
-    configs.into_iter().map(|(config, faults)| (Subject::Datapath(config), faults)).chain(unit).collect()
+    let space = Space::new(&|_| true).with("lanes", &["2", "none", "4"])?.with("format", &["fp16", "fp32", "bf16"])?;
+    let all = presets_and_pairs(&space).into_iter().map(|config| (Subject::Datapath(config), false));
+    Ok([(small, true), (folded, true)].into_iter().chain(all).chain([(Subject::Unit, false)]).collect())
 }
 
 #[cfg(test)]
@@ -184,7 +173,7 @@ mod tests {
 
     #[test]
     fn all_designs_can_be_built() {
-        for (subject, _) in subjects(Level::Full) {
+        for (subject, _) in subjects(Level::Full).expect("values") {
             let name = subject.name();
             subject.top().unwrap_or_else(|error| panic!("{name}: {error}"));
         }
