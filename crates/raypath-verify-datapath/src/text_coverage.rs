@@ -28,7 +28,7 @@ const BAR: f64 = 99.0;
 /// Designs whose bits miss the bar, with the share that is reached. A lower one is a failure; this one is a remark.
 const BELOW: &[(&str, f64)] = &[
     // The signs of distances, which are 0 in each register that passes them on.
-    ("lanes 2, rules paper, format e4s5, sharing segregated", 98.42),
+    ("lanes 2, rules paper, format e4s5, sharing segregated", 98.92),
     ("lanes 2, rules paper, format fp16, sharing segregated", 98.94),
 ];
 
