@@ -1,9 +1,8 @@
 //! Checks of the operations of a datapath against oracles, models, and the SystemVerilog in Verilator.
 
-use crate::spec::AnyOperationSpec;
+use crate::spec::{AnyOperationSpec, Check, Source};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_float::Format;
 use raypath_model::Model;
 use raypath_rtl as rtl;
 use raypath_sim::Datapath;
@@ -13,7 +12,7 @@ use raypath_sim::jobs::any_job;
 use raypath_sim::lockstep::{Comparison, lockstep};
 use raypath_sim::traffic::Traffic;
 use raypath_sim::transactions::{self, Transaction};
-use raypath_sim::{OperationId, WordModel, Words};
+use raypath_sim::{OperationId, Words};
 use raypath_tools::{Sources, ToolError, Verilated};
 use std::path::{Path, PathBuf};
 
@@ -64,13 +63,11 @@ const RESETS: f64 = 0.0005;
 const SPECIFIED: f64 = 0.5;
 
 impl Checks<'_> {
-    /// Compares outcomes of the functional model with the oracle of each specification that has one. Returns no reports
-    /// if the datapath is not in binary32, because oracles are.
+    /// Compares outcomes of the functional model with the oracle of each specification that has one for the datapath's
+    /// format.
     pub fn against_the_oracles(&self) -> Vec<OracleReport> {
-        let model = self.datapath.model();
         let reports = self.oracle_runs().into_iter().map(|mut run| {
-            let outcomes = self.outcomes(run.spec, run.kind);
-            outcomes.for_each(|(job, outcome)| run.check(&model, &job, &outcome));
+            self.outcomes(run.spec, run.kind).for_each(|(job, outcome)| run.check(&job, &outcome));
             run.report
         });
         reports.collect()
@@ -98,9 +95,7 @@ impl Checks<'_> {
     /// Random jobs of an operation, with the outcomes of the functional model.
     fn outcomes(&self, spec: &AnyOperationSpec, kind: OperationId) -> impl Iterator<Item = (Words, Words)> {
         let mut model = self.datapath.model();
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        (0..self.jobs).map(move |_| {
-            let job = spec.job(&model, kind, &mut rng);
+        spec.source(&model, kind, self.seed).take(self.jobs).map(move |job| {
             let outcome = model.run(&job);
             (job, outcome)
         })
@@ -151,7 +146,7 @@ impl Checks<'_> {
             |number, values| {
                 let Some(cycle) = cycles.get(number) else { return };
                 if cycle.inputs.first() == Some(&0) {
-                    runs.iter_mut().for_each(OracleRun::reset);
+                    runs.iter_mut().for_each(|run| run.reset(self.datapath));
                 }
                 let Some(expected) = &cycle.expected else { return };
                 if let Some(fault) = expected.fault(top, values) {
@@ -165,7 +160,7 @@ impl Checks<'_> {
                     && let Some(job) = cycle.job.and_then(|job| jobs.get(job))
                 {
                     let own = runs.iter_mut().filter(|run| run.kind == outcome.kind());
-                    own.for_each(|run| run.check(&model, job, outcome));
+                    own.for_each(|run| run.check(job, outcome));
                 }
             },
         )?;
@@ -175,9 +170,9 @@ impl Checks<'_> {
 
     fn oracle_runs(&self) -> Vec<OracleRun<'_>> {
         let model = self.datapath.model();
-        let runs = self.specs.iter().filter(|_| model.format() == Format::BINARY32).filter_map(|spec| {
-            let (oracle, kind) = (spec.oracle.as_ref()?, model.kind(spec.name())?);
-            Some(OracleRun { spec, kind, oracle: (oracle.check)(), report: OracleReport::default() })
+        let runs = self.specs.iter().filter_map(|spec| {
+            let (kind, oracle) = (model.kind(spec.name())?, spec.check(self.datapath)?);
+            Some(OracleRun { spec, kind, oracle, report: OracleReport::default() })
         });
         runs.collect()
     }
@@ -186,17 +181,19 @@ impl Checks<'_> {
     fn mixed_jobs(&self) -> Vec<Words> {
         let model = self.datapath.model();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let own: Vec<(OperationId, &AnyOperationSpec)> =
-            self.specs.iter().filter_map(|spec| Some((model.kind(spec.name())?, spec))).collect();
+        let mut own: Vec<(OperationId, Source)> = Vec::new();
+        for (spec, seed) in self.specs.iter().zip(self.seed..) {
+            own.extend(model.kind(spec.name()).map(|kind| (kind, spec.source(&model, kind, seed))));
+        }
         let is_other = |kind: &OperationId| own.iter().all(|(own, _)| own != kind);
         let others: Vec<OperationId> = model.kinds().into_iter().filter(is_other).collect();
         let mut job = || {
             let take_own = others.is_empty() || !own.is_empty() && rng.random_bool(SPECIFIED);
             let index = rng.random_range(0..if take_own { own.len().max(1) } else { others.len() });
-            Some(match (take_own, own.get(index)) {
-                (true, Some((kind, spec))) => spec.job(&model, *kind, &mut rng),
-                _ => any_job(&model, *others.get(index)?, &mut rng),
-            })
+            match own.get_mut(index) {
+                Some((_, source)) if take_own => source.next(),
+                _ => Some(any_job(&model, *others.get(index)?, &mut rng)),
+            }
         };
         (0..self.jobs).filter_map(|_| job()).collect()
     }
@@ -205,21 +202,19 @@ impl Checks<'_> {
 struct OracleRun<'s> {
     spec: &'s AnyOperationSpec,
     kind: OperationId,
-    oracle: crate::spec::Check,
+    oracle: Check,
     report: OracleReport,
 }
 
 impl OracleRun<'_> {
     /// The oracle's state after a reset.
-    fn reset(&mut self) {
-        if let Some(oracle) = &self.spec.oracle {
-            self.oracle = (oracle.check)();
-        }
+    fn reset(&mut self, datapath: &Datapath) {
+        self.oracle = self.spec.check(datapath).unwrap_or_else(|| Box::new(|_, _| Ok(())));
     }
 
-    fn check(&mut self, model: &WordModel, job: &Words, outcome: &Words) {
+    fn check(&mut self, job: &Words, outcome: &Words) {
         self.report.jobs += 1;
-        if let Err(fault) = (self.oracle)(&model.all_inputs(job), &model.all_outputs(outcome)) {
+        if let Err(fault) = (self.oracle)(job, outcome) {
             self.report.wrong += 1;
             if self.report.faults.len() < MAX_MESSAGES {
                 self.report.faults.push(format!("job {}: {fault}; {job:?} -> {outcome:?}", self.report.jobs - 1));

@@ -1,9 +1,10 @@
-//! Specifications and tests of operations: stimuli, oracles, exact arithmetic, and checks.
+//! Specifications and tests of operations: stimuli, oracles and checks.
 //!
-//! An [`OperationSpec`] combines an operation with random jobs and an oracle. An oracle checks results by exact
-//! arithmetic or by counting, not by the equations of the operation. [`added_operations`] lists the specifications of
-//! the operations in [`raypath_ops::operations`]; each has a file in [`operations`]. [`Checks`] compares the operations
-//! of a datapath with their oracles, the netlist with the models, and the SystemVerilog in Verilator with both.
+//! [`exact::Oracle`] computes the outcome of every operation of the project by the text of `docs/reference`, and
+//! [`stimuli`] has random jobs for them. An [`OperationSpec`] combines any operation with random jobs and an oracle.
+//! [`added_operations`] lists the specifications of the operations in [`raypath_ops::operations`]. [`Checks`] compares
+//! the operations of a datapath with their oracles, the netlist with the models, and the SystemVerilog in Verilator
+//! with both.
 //!
 //! ```
 //! use raypath_oracle::added_operations;
@@ -19,13 +20,11 @@
 //! ```
 
 mod checks;
-pub mod draw;
 pub mod exact;
-pub mod operations;
-pub mod slabs;
+pub mod layout;
+mod operations;
 mod spec;
-#[cfg(test)]
-mod test_support;
+pub mod stimuli;
 
 pub use checks::{Checks, OracleReport, Simulated};
 pub use operations::{added_operation, added_operations};

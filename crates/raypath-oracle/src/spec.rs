@@ -1,5 +1,7 @@
 //! Specifications: operations with stimuli and oracles.
 
+use crate::exact::Oracle as Exact;
+use crate::stimuli::Stimuli;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
@@ -7,6 +9,7 @@ use raypath_ops::{Binary32, Operation, from_words, to_words};
 use raypath_sim::jobs::{any_job, random};
 use raypath_sim::{AnyOperation, Datapath, OperationId, WordModel, Words};
 use std::fmt;
+use std::iter;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -32,29 +35,42 @@ pub struct OperationSpec<O> {
 /// An [`OperationSpec`] for an operation of any type.
 #[derive(Clone)]
 pub struct AnyOperationSpec {
-    pub(crate) operation: Arc<dyn AnyOperation>,
-    pub(crate) purpose: &'static str,
-    pub(crate) stimulus: Option<Stimulus>,
-    pub(crate) oracle: Option<Oracle>,
+    operation: Arc<dyn AnyOperation>,
+    purpose: &'static str,
+    stimulus: Stimulus,
+    oracle: Option<Oracle>,
 }
 
-/// Generates a job as the words of its input ports.
-pub(crate) type Stimulus = Arc<dyn Fn(&mut ChaCha8Rng) -> Vec<u64> + Send + Sync>;
-/// Checks the result of a job, both as words. The jobs are passed in order. The error describes a wrong result.
-pub(crate) type Check = Box<dyn FnMut(&[u64], &[u64]) -> Result<(), String>>;
+/// How jobs are drawn.
+#[derive(Clone)]
+enum Stimulus {
+    /// Port by port.
+    ByPort,
+    /// By [`Stimuli`].
+    Stimuli,
+    /// As the words of the input ports, in binary32.
+    Binary32(Arc<dyn Fn(&mut ChaCha8Rng) -> Vec<u64> + Send + Sync>),
+}
+
+/// An endless source of jobs.
+pub(crate) type Source = Box<dyn Iterator<Item = Words>>;
+/// Checks the outcome of a job. The jobs are passed in order. The error describes a wrong outcome.
+pub(crate) type Check = Box<dyn FnMut(&Words, &Words) -> Result<(), String>>;
 
 #[derive(Clone)]
-pub(crate) struct Oracle {
-    /// A short description, such as `exact rationals`.
-    pub name: &'static str,
-    /// Creates the check for a stream of jobs that starts after a reset.
-    pub check: Arc<dyn Fn() -> Check + Send + Sync>,
+enum Oracle {
+    /// [`Exact`], in any format.
+    Exact,
+    /// A description of the method, and a function that makes the check of a stream of jobs that starts after a reset,
+    /// in binary32.
+    Binary32(&'static str, Arc<dyn Fn(&WordModel) -> Check + Send + Sync>),
 }
 
 impl<O: Operation + Send + Sync + 'static> OperationSpec<O> {
     /// The specification of an operation without an oracle, whose jobs are drawn port by port.
     pub fn of(operation: O) -> Self {
-        let inner = AnyOperationSpec { operation: Arc::new(operation), purpose: "", stimulus: None, oracle: None };
+        let operation = Arc::new(operation);
+        let inner = AnyOperationSpec { operation, purpose: "", stimulus: Stimulus::ByPort, oracle: None };
         Self { inner, operation: PhantomData }
     }
 
@@ -66,7 +82,7 @@ impl<O: Operation + Send + Sync + 'static> OperationSpec<O> {
 
     /// Sets the generator of random jobs.
     pub fn stimulus(mut self, job: impl Fn(&mut ChaCha8Rng) -> O::Input<Binary32> + Send + Sync + 'static) -> Self {
-        self.inner.stimulus = Some(Arc::new(move |rng| {
+        self.inner.stimulus = Stimulus::Binary32(Arc::new(move |rng| {
             let mut words = Vec::new();
             to_words(&job(rng), &mut words);
             words
@@ -82,11 +98,14 @@ impl<O: Operation + Send + Sync + 'static> OperationSpec<O> {
         name: &'static str,
         check: impl FnMut(&O::Input<Binary32>, &O::Output<Binary32>) -> Result<(), String> + Clone + Send + Sync + 'static,
     ) -> Self {
-        let check = Arc::new(move || -> Check {
-            let mut check = check.clone();
-            Box::new(move |job, answer| check(&from_words(Binary32, job), &from_words(Binary32, answer)))
-        });
-        self.inner.oracle = Some(Oracle { name, check });
+        let make = move |model: &WordModel| -> Check {
+            let (mut check, model) = (check.clone(), model.clone());
+            Box::new(move |job, outcome| {
+                let (job, outcome) = (model.all_inputs(job), model.all_outputs(outcome));
+                check(&from_words(Binary32, &job), &from_words(Binary32, &outcome))
+            })
+        };
+        self.inner.oracle = Some(Oracle::Binary32(name, Arc::new(make)));
         self
     }
 }
@@ -98,6 +117,12 @@ impl<O> From<OperationSpec<O>> for AnyOperationSpec {
 }
 
 impl AnyOperationSpec {
+    /// The specification of an operation that [`Stimuli`] and [`Exact`] know.
+    pub(crate) fn known(operation: impl Operation + Send + Sync + 'static, purpose: &'static str) -> Self {
+        let operation = Arc::new(operation);
+        Self { operation, purpose, stimulus: Stimulus::Stimuli, oracle: Some(Oracle::Exact) }
+    }
+
     /// The operation's name.
     pub fn name(&self) -> &'static str {
         self.operation.name()
@@ -110,25 +135,57 @@ impl AnyOperationSpec {
 
     /// The description of the oracle, if there is one.
     pub fn oracle_name(&self) -> Option<&'static str> {
-        self.oracle.as_ref().map(|oracle| oracle.name)
-    }
-
-    /// A random job for a model that has the operation as `kind`: from the generator of the specification if the model
-    /// is in binary32, otherwise from [`any_job`], which also provides the values of other ports, such as a tag.
-    pub fn job(&self, model: &WordModel, kind: OperationId, rng: &mut ChaCha8Rng) -> Words {
-        match &self.stimulus {
-            Some(stimulus) if model.format() == Format::BINARY32 => {
-                let mut words = model.present_inputs(kind, stimulus(rng));
-                words.extend(any_job(model, kind, rng).as_words().iter().skip(words.len()));
-                model.job_of_words(kind, &words)
-            }
-            _ => any_job(model, kind, rng),
-        }
+        self.oracle.as_ref().map(|oracle| match oracle {
+            Oracle::Exact => "exact arithmetic",
+            Oracle::Binary32(name, _) => name,
+        })
     }
 
     /// The operation.
     pub fn operation(&self) -> Arc<dyn AnyOperation> {
         self.operation.clone()
+    }
+
+    /// The check of a stream of jobs of a datapath that starts after a reset; none without an oracle for its format.
+    pub(crate) fn check(&self, datapath: &Datapath) -> Option<Check> {
+        let model = datapath.model();
+        match self.oracle.as_ref()? {
+            Oracle::Exact => {
+                let mut oracle = Exact::new(datapath.config().semantics, &model);
+                Some(Box::new(move |job, outcome| match oracle.run(job)? {
+                    expected if expected == *outcome => Ok(()),
+                    expected => Err(format!("expected {expected:?}")),
+                }))
+            }
+            Oracle::Binary32(_, make) => (model.format() == Format::BINARY32).then(|| make(&model)),
+        }
+    }
+
+    /// Random jobs for a model that has the operation as `kind`, reproducible by `seed`. If the specification has no
+    /// generator for the model's format, they are those of [`any_job`], which also provides the values of ports that a
+    /// generator lacks, such as a tag.
+    pub(crate) fn source(&self, model: &WordModel, kind: OperationId, seed: u64) -> Source {
+        let (model, mut rng) = (model.clone(), ChaCha8Rng::seed_from_u64(seed));
+        match &self.stimulus {
+            Stimulus::Stimuli => {
+                let (mut stimuli, mut words) = (Stimuli::new(&model, seed), Vec::new());
+                Box::new(iter::repeat_with(move || {
+                    stimuli.next_of(kind, &mut words);
+                    model.job_of_words(kind, &words)
+                }))
+            }
+            Stimulus::Binary32(draw) if model.format() == Format::BINARY32 => {
+                let draw = draw.clone();
+                Box::new(iter::repeat_with(move || {
+                    let mut words = model.present_inputs(kind, draw(&mut rng));
+                    words.extend(any_job(&model, kind, &mut rng).as_words().iter().skip(words.len()));
+                    model.job_of_words(kind, &words)
+                }))
+            }
+            Stimulus::ByPort | Stimulus::Binary32(_) => {
+                Box::new(iter::repeat_with(move || any_job(&model, kind, &mut rng)))
+            }
+        }
     }
 }
 
@@ -152,23 +209,20 @@ pub fn jobs(
 ) -> impl Iterator<Item = Words> + use<> {
     let (model, config) = (datapath.model(), datapath.config());
     let source = |(&kind, seed): (&OperationId, u64)| -> Source {
-        let model = model.clone();
         let paper = config.kinds().iter().find(|paper| kind == **paper);
-        if let Some(spec) = specs.iter().find(|spec| spec.name() == kind.name()).cloned() {
-            Box::new(move |rng| spec.job(&model, kind, rng))
-        } else if let Some(&paper) = paper {
-            let mut jobs = random(&model, config.semantics.format, seed, &[paper]);
-            Box::new(move |rng| jobs.next().unwrap_or_else(|| any_job(&model, kind, rng)))
-        } else {
-            Box::new(move |rng| any_job(&model, kind, rng))
+        match (specs.iter().find(|spec| spec.name() == kind.name()), paper) {
+            (Some(spec), _) => spec.source(&model, kind, seed),
+            (None, Some(&paper)) => Box::new(random(&model, config.semantics.format, seed, &[paper])),
+            (None, None) => {
+                let (model, mut rng) = (model.clone(), ChaCha8Rng::seed_from_u64(seed));
+                Box::new(iter::repeat_with(move || any_job(&model, kind, &mut rng)))
+            }
         }
     };
     let mut sources: Vec<Source> = kinds.iter().zip(seed..).map(source).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    std::iter::repeat_with(move || {
+    iter::from_fn(move || {
         let chosen = rng.random_range(0..sources.len());
-        sources[chosen](&mut rng)
+        sources[chosen].next()
     })
 }
-
-type Source = Box<dyn FnMut(&mut ChaCha8Rng) -> Words>;

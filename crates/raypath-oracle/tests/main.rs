@@ -1,5 +1,7 @@
 //! All integration tests of the crate, in one program: it is linked once, and its tests share the cores.
 
+mod exact;
 mod features;
+mod layout;
 mod operations;
 mod quantised_nodes;

@@ -4,7 +4,10 @@ use num_rational::BigRational;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::operations::quantised_box::QuantisedNode;
 use raypath_ops::{Aabb, Binary32, Word};
-use raypath_oracle::{draw, exact};
+
+fn exact(number: f32) -> BigRational {
+    BigRational::from_float(number).expect("finite")
+}
 
 #[test]
 fn encoding_encloses_and_is_tight() {
@@ -14,31 +17,35 @@ fn encoding_encloses_and_is_tight() {
         let count = rng.random_range(1..=4);
         let boxes: Vec<Aabb<Binary32>> = (0..count)
             .map(|_| {
-                let [a, b] = [(); 2].map(|()| draw::three(|| draw::spread(&mut rng, spread.clone())));
+                let mut number = |_| {
+                    let sign = if rng.random() { 1.0 } else { -1.0 };
+                    sign * rng.random_range(1.0_f32..2.0) * 2.0_f32.powi(rng.random_range(spread.clone()))
+                };
+                let [a, b] = [[0, 1, 2]; 2].map(|axes| axes.map(&mut number));
                 let pick = |pick: fn(f32, f32) -> f32| std::array::from_fn(|k| pick(a[k], b[k]));
                 Aabb::new(pick(f32::min), pick(f32::max))
             })
             .collect();
         let node = QuantisedNode::encode(&boxes).expect("a node");
         for axis in 0..3 {
-            let origin = &exact::values(node.origin).expect("finite")[axis];
-            let scale = &exact::values(node.scale).expect("finite")[axis];
-            let fraction = f32::from([node.scale.x, node.scale.y, node.scale.z][axis]).to_bits() & 0x7f_ffff;
+            let [origin, scale] = [node.origin, node.scale].map(|of| <[f32; 3]>::from(of)[axis]);
+            let fraction = scale.to_bits() & 0x7f_ffff;
+            let (origin, scale) = (&exact(origin), &exact(scale));
             assert_eq!(fraction, 0, "a power of two");
             let offset = |word: Word<Binary32, 8>| BigRational::from_integer(u32::from(word).into());
-            let one = exact::power(0);
+            let one = exact(1.0);
             let mut greatest = BigRational::default();
             for (child, aabb) in node.child.iter().zip(&boxes) {
                 let slab = [aabb.x, aabb.y, aabb.z][axis];
-                let [min, max] = [slab.min, slab.max].map(|bound| exact::value(bound).expect("finite"));
+                let [min, max] = [slab.min, slab.max].map(|bound| exact(bound.into()));
                 let slab = [child.x, child.y, child.z][axis];
                 let [low, high] = [slab.min, slab.max].map(offset);
                 assert!(origin + &low * scale <= min && min < origin + (&low + &one) * scale, "{boxes:?} {node:?}");
                 assert!(max <= origin + &high * scale && origin + (&high - &one) * scale < max, "{boxes:?} {node:?}");
                 greatest = greatest.max(max - origin);
             }
-            let half = scale / BigRational::from_integer(2.into()) * BigRational::from_integer(255.into());
-            assert!(*scale <= exact::power(-126) || greatest > half, "a smaller scale would do: {boxes:?}");
+            let half = scale * exact(127.5);
+            assert!(*scale <= exact(f32::MIN_POSITIVE) || greatest > half, "a smaller scale would do: {boxes:?}");
         }
     }
 }

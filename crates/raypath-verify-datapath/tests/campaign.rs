@@ -1,61 +1,59 @@
-//! Campaigns: they pass the datapath and the models, are reproducible by seed, and report their coverage when stopped.
+//! Campaigns and geometry: they pass the datapath, follow from the seed, find deliberate faults, and say when stopped.
 
-use raypath_verify::{Progress, Request, Verdict};
+use raypath_verify::{Request, Verdict};
 use raypath_verify_datapath::{ITEMS, campaign, models};
 use std::path::Path;
 use tempfile::TempDir;
 
-fn request<'a>(jobs: u64, seed: u64, proceed: &'a mut dyn FnMut(Progress) -> bool) -> Request<'a> {
-    Request { jobs: Some(jobs), seed, ..Request::new(proceed) }
-}
-
-fn verdict(seed: u64, folder: &Path) -> Verdict {
-    campaign::verify(&mut request(8192, seed, &mut |_| true), folder).expect("a verdict")
-}
+/// The items, with numbers of jobs that suffice to find their deliberate faults.
+const JOBS: [(&str, u64); 6] = [
+    ("campaign", 8_192),
+    ("models", 20_000),
+    ("watertight", 100_000),
+    ("boxes", 12_000),
+    ("triangle-distance", 10_000),
+    ("sums", 1_000),
+];
 
 fn folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-#[test]
-fn the_datapath_is_as_claimed_and_a_seed_reproduces() {
-    let first = folder();
-    let second = folder();
-    let [a, b] = [&first, &second].map(|folder| verdict(1, folder.path()));
-    assert_eq!(a.failures, [""; 0]);
-    assert_eq!(a.covered, b.covered);
-    let table = |folder: &TempDir| std::fs::read_to_string(folder.path().join("coverage.txt")).expect("a table");
-    assert_eq!(table(&first), table(&second));
-    let other = folder();
-    verdict(2, other.path());
-    assert_ne!(table(&first), table(&other));
+fn verify(item: &str, jobs: u64, seed: u64, shard: &str, folder: &Path, goes_on: bool) -> Verdict {
+    let shard = shard.parse().expect("a shard");
+    let proceed = &mut |_| goes_on;
+    let request = &mut Request { jobs: Some(jobs), seed, shard, ..Request::new(proceed) };
+    let verdict = match item {
+        "campaign" => campaign::verify(request, folder),
+        "models" => models::verify(request, folder),
+        item => (ITEMS.iter().find(|entry| entry.name == item).expect("an item").run)(request),
+    };
+    verdict.expect("a verdict")
 }
 
 #[test]
-fn a_stopped_campaign_reports_its_coverage() {
+fn the_claims_hold() {
     let folder = folder();
-    for item in ITEMS.iter().filter(|item| ["campaign", "models"].contains(&item.name)) {
-        let mut looks = 0;
-        let mut watch = |step: Progress| {
-            looks += 1;
-            assert!(step.done <= step.total);
-            looks < 3
-        };
-        let request = &mut request(1 << 40, 1, &mut watch);
-        let verdict = match item.name {
-            "models" => models::verify(request, folder.path()),
-            _ => campaign::verify(request, folder.path()),
-        };
-        let verdict = verdict.expect("a verdict");
-        assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
-        assert!(verdict.covered.contains("jobs") && verdict.remarks[0].contains("coverage"), "{verdict:?}");
+    for (item, jobs) in JOBS {
+        let verdict = verify(item, jobs, 11, "1/1", folder.path(), true);
+        assert_eq!(verdict.failures, [""; 0], "{item}");
+        assert!(!verdict.is_stopped && !verdict.remarks.is_empty(), "{item}: {verdict:?}");
     }
 }
 
 #[test]
-fn the_models_answer_as_the_oracle_and_all_rules_are_exercised() {
+fn a_seed_reproduces_shards_differ_and_a_stop_is_reported() {
     let folder = folder();
-    let verdict = models::verify(&mut request(2_000_000, 3, &mut |_| true), folder.path()).expect("a verdict");
-    assert_eq!(verdict.failures, [""; 0]);
-    assert!(verdict.covered.starts_with("2097152 jobs"), "{}", verdict.covered);
+    for (item, _) in JOBS {
+        let run = |seed, shard| verify(item, 1200, seed, shard, folder.path(), true);
+        let table = || std::fs::read_to_string(folder.path().join("coverage.txt")).unwrap_or_default();
+        let (first, points) = (run(1, "1/2"), table());
+        assert_eq!((&run(1, "1/2"), table()), (&first, points.clone()), "{item}");
+        // The covered work of `models` is a number of jobs and mistakes.
+        if item != "models" {
+            assert_ne!((run(2, "1/2"), table()), (first.clone(), points.clone()), "{item}");
+            assert_ne!((run(1, "2/2"), table()), (first, points), "{item}");
+        }
+        assert!(verify(item, 1 << 40, 1, "1/1", folder.path(), false).is_stopped, "{item}");
+    }
 }

@@ -2,7 +2,4 @@
 
 mod campaign;
 mod control;
-mod coverage;
-mod geometry;
-mod oracle;
 mod parts;

@@ -22,8 +22,7 @@ mod exact_sums;
 mod exact_triangles;
 mod golden_vectors;
 mod no_combinational_path;
+mod oracle;
 mod original_faults;
 mod rounding;
 mod timing;
-
-use raypath_verify_datapath::oracle::quick as oracle;

@@ -1,28 +1,16 @@
-//! Reports of failing episodes. A failure is shrunk first: jobs and handshakes are removed and operands simplified
-//! while the trace still fails (delta debugging: Zeller and Hildebrandt, IEEE TSE 28(2), 2002).
+//! Reports of failing episodes. A failure is shrunk first: jobs and handshakes are removed while the
+//! trace still fails (delta debugging: Zeller and Hildebrandt, IEEE TSE 28(2), 2002).
 
-use crate::layout::Layout;
 use crate::subjects::Subject;
 use raypath_model::{Model, WordModel, Words};
-use raypath_rtl::Config;
 use raypath_sim::engine::{CycleEngine, NetlistEngine, observe};
 use raypath_sim::lockstep::{Difference, SideBySide};
 use raypath_sim::traffic::{Cycle, Traffic, recorded_text};
 use raypath_sim::transactions::{Transaction, text};
 use raypath_verify::Error;
 use raypath_verify::files;
-use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::path::Path;
-
-/// An episode that failed.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Failure {
-    /// The episode's number.
-    pub episode: u64,
-    /// The first difference.
-    pub what: String,
-}
 
 /// Shrinks a failing trace, writes it as transaction files to `folder`, and returns a message with the command that
 /// replays it.
@@ -34,11 +22,10 @@ pub fn report(
     model: &WordModel,
     subject: &Subject,
     trace: Trace,
-    failure: &Failure,
     folder: &Path,
 ) -> Result<String, Error> {
     let config = subject.config;
-    let (trace, mismatch) = shrink(netlist, model, config, trace);
+    let (trace, mismatch) = shrink(netlist, model, trace);
     let engine = match mismatch {
         Mismatch::Outcome => "netlist",
         Mismatch::Ports => "both",
@@ -61,9 +48,7 @@ pub fn report(
     }
     let options = subject.options();
     let command = [command.as_str(), &options].join(" ");
-    let Failure { episode, what } = failure;
-    let jobs = trace.jobs.len();
-    Ok(format!("episode {episode}: {what}\n           shrunk to {jobs} jobs; to replay it: {}", command.trim_end()))
+    Ok(format!("shrunk to {} jobs; to replay it: {}", trace.jobs.len(), command.trim_end()))
 }
 
 /// The jobs of a trace, with the functional model's outcomes for those that leave the pipeline.
@@ -109,7 +94,7 @@ enum Mismatch {
 
 /// Shrinks a failing trace, and returns how it fails. A wrong outcome stays a wrong outcome. A trace that does not fail
 /// is returned unchanged.
-fn shrink(netlist: &mut NetlistEngine, model: &WordModel, config: Config, mut trace: Trace) -> (Trace, Mismatch) {
+fn shrink(netlist: &mut NetlistEngine, model: &WordModel, mut trace: Trace) -> (Trace, Mismatch) {
     let mut fails = |trace: &Trace, mismatch| fails(netlist, model, trace, mismatch);
     let mismatch = if fails(&trace, Mismatch::Outcome) { Mismatch::Outcome } else { Mismatch::Ports };
     if !fails(&trace, mismatch) {
@@ -133,7 +118,6 @@ fn shrink(netlist: &mut NetlistEngine, model: &WordModel, config: Config, mut tr
             break;
         }
     }
-    simplify_operands(model, config, &mut trace, |trace| fails(&trace.jobs, &trace.cycles));
     (trace, mismatch)
 }
 
@@ -179,7 +163,7 @@ fn simpler_cycles(cycles: &[Cycle]) -> Vec<Vec<Cycle>> {
 }
 
 /// Removes chunks of the items, the largest first, while the rest still fails.
-fn reduced<T: Clone>(mut items: Vec<T>, mut fails: impl FnMut(&[T]) -> bool) -> Vec<T> {
+pub fn reduced<T: Clone>(mut items: Vec<T>, mut fails: impl FnMut(&[T]) -> bool) -> Vec<T> {
     let mut chunk = items.len();
     while chunk > 0 {
         let mut begin = 0;
@@ -195,30 +179,6 @@ fn reduced<T: Clone>(mut items: Vec<T>, mut fails: impl FnMut(&[T]) -> bool) -> 
         chunk /= 2;
     }
     items
-}
-
-/// Replaces operands by 0 or else 1 while the trace still fails.
-fn simplify_operands(model: &WordModel, config: Config, trace: &mut Trace, mut fails: impl FnMut(&Trace) -> bool) {
-    let layout = Layout::of(model);
-    let one = config.semantics.format.from_f32(1.0);
-    for index in 0..trace.jobs.len() {
-        let kind = trace.jobs[index].kind();
-        let mut words = trace.jobs[index].as_words().to_vec();
-        for (index_in_job, field) in layout.fields(kind.name()).iter().enumerate() {
-            let original = words[index_in_job];
-            let simple = if field.is_number() { [0, one] } else { [0, 1] };
-            // An operand that is already simple stays.
-            for value in simple.into_iter().take_while(|value| *value != original) {
-                words[index_in_job] = value;
-                let job = std::mem::replace(&mut trace.jobs[index], model.job_of_words(kind, &words));
-                if fails(trace) {
-                    break;
-                }
-                trace.jobs[index] = job;
-                words[index_in_job] = original;
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! Ray against triangle: the error of t = t_num / t_denom, the distance of the intersection.
 
-use super::campaign::{self, Tally};
-use super::pipeline::{self, Pair, Pipeline, SAMPLED};
-use super::watertight::{datapath, on_netlist};
+use super::watertight::datapath;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-use raypath_ops::{Binary32, Job, Outcome, Ray, RayTriangleInput, RayTriangleOutput, Rounding, Rules, Triangle};
+use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rounding, Rules};
+use raypath_verify::campaign::{Campaign, Tally};
 use raypath_verify::dyadic::{Dyadic, U, ulps_of, within_gamma};
 use raypath_verify::{Error, Request, Verdict};
 
@@ -18,35 +17,10 @@ const ENOUGH: u64 = 5_000;
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (rules, rounding) = (request.config.semantics.rules_in_full(), request.config.semantics.rounding);
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
-    let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally| run(tally, rules, rounding, rng))?;
-    let verdict = verdict(tally, is_stopped);
-    if is_stopped {
-        return Ok(verdict);
-    }
-    let config = on_netlist(rules, rounding);
-    let pair = || Pair::new(config, FAULT);
-    let on_netlist = campaign::run_with(request, 12, cases.div_ceil(SAMPLED), pair, |pair, rng, tally| {
-        let (ray, corners) = draw(rng);
-        let (exact, [a, b, c]) = (Exact::new(&ray, corners), corners);
-        let job = Job::Triangle(RayTriangleInput { ray, triangle: Triangle::new(a, b, c) });
-        let judge = |tally: &mut Tally, pipeline: &Pipeline| match pipeline.run::<16, 8>(&job) {
-            Some(Outcome::Triangle(output))
-                if f32::from(output.t_num).is_finite() && f32::from(output.t_denom).is_finite() =>
-            {
-                check(tally, &exact, &ray, corners, TriangleResult::of(output));
-            }
-            other => tally.fail(|| format!("the outcome is {other:?}")),
-        };
-        judge(tally, &pair.right);
-        let mut control = Tally::default();
-        judge(&mut control, &pair.faulty);
-        tally.add(pipeline::FAULTY, control.failures());
-    })?;
-    Ok(pipeline::joined(verdict, on_netlist, "checked"))
+    let (tally, is_stopped) =
+        Campaign::new(2, cases).run_cases(request, |rng, tally| run(tally, rules, rounding, rng))?;
+    Ok(verdict(tally, is_stopped))
 }
-
-/// The fault of the netlist that is the negative control: a digit of a product.
-const FAULT: &str = "raypath_fp_mul_e8s24, magnitude_6:";
 
 /// A random triangle, and a ray at a point in or near it, from near or far, perpendicular or grazing.
 fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {

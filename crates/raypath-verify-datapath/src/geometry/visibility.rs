@@ -1,6 +1,6 @@
 //! The preconditions of `docs/reference/error-bounds.md` on a ray and a patch, decided without rounding errors.
 
-use super::mesh::{Mesh, Patch};
+use super::patches::Patch;
 use super::vector::{Point, cross, dot, minus};
 use raypath_ops::{Binary32, Ray};
 use raypath_verify::dyadic::{Dyadic, U};
@@ -23,26 +23,26 @@ pub enum Visibility {
 /// A factor for terms of second order and for rounding errors of this computation in binary64.
 const SAFETY: f64 = 1.001;
 
-pub fn visibility(ray: &Ray<Binary32>, mesh: &Mesh, patch: &Patch) -> Visibility {
-    if !patch.faces.iter().all(|&face| faces_direction(ray.dir.into(), mesh.corners(face))) {
+pub fn visibility(ray: &Ray<Binary32>, patch: &Patch) -> Visibility {
+    if !patch.faces.iter().all(|&face| faces_direction(ray.dir.into(), patch.corners(face))) {
         return Visibility::BackFacing;
     }
     let projection = Projection::new(ray);
-    let vertices = || patch.faces.iter().flat_map(|&face| mesh.faces[face]).map(|vertex| mesh.vertices[vertex]);
+    let projected: Vec<Projected> = patch.vertices.iter().map(|vertex| projection.project(*vertex)).collect();
     let mut moved: f64 = 0.0;
-    for vertex in vertices() {
-        let projected = projection.project(vertex);
+    for projected in &projected {
         if projected.depth <= 0.0 {
             return Visibility::Behind;
         }
         moved = moved.max(projected.moved);
     }
-    let at = |vertex: usize| projection.project(mesh.vertices[vertex]).at;
-    let rim = || patch.rim.iter().map(|edge| edge.map(at));
+    let at = |vertex: usize| projected[vertex].at;
+    let rim = patch.rim();
+    let rim = || rim.iter().map(|edge| edge.map(at));
     if rim().any(|edge| distance_from_zero(edge) <= moved) || rim().map(turns).sum::<i32>() < 1 {
         return Visibility::NearRim;
     }
-    let is_thin = |face: &usize| is_thin(mesh.faces[*face].map(at), moved);
+    let is_thin = |face: &[usize; 3]| is_thin(face.map(at), moved);
     if patch.faces.iter().any(is_thin) { Visibility::Thin } else { Visibility::Clear }
 }
 
@@ -139,7 +139,7 @@ fn is_thin([a, b, c]: [[f64; 2]; 3], moved: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::Mesh;
+    use super::super::patches::{Patch, Target};
     use super::{Visibility, distance_from_zero, exactly_towards, faces_direction, turns, visibility};
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
@@ -184,17 +184,17 @@ mod tests {
     #[test]
     fn each_visibility_occurs() {
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-        let mesh = Mesh::new("square", &points, vec![[0, 1, 2], [0, 2, 3]]);
-        let patch = mesh.patch(vec![0, 1]);
-        let see = |origin, direction| visibility(&Ray::new(origin, direction, 1.0).expect("a ray"), &mesh, &patch);
+        let patch = Patch::new(Target::Edge, points.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+        let see = |origin, direction| visibility(&Ray::new(origin, direction, 1.0).expect("a ray"), &patch);
         assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear);
         assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, 1.0]), Visibility::BackFacing);
         assert_eq!(see([0.5, 0.5, -2.0], [0.0, 0.0, -1.0]), Visibility::Behind);
         assert_eq!(see([0.5, 1e-8, 2.0], [0.0, 0.0, -1.0]), Visibility::NearRim);
         assert_eq!(see([0.5, 1.5, 2.0], [0.0, 0.0, -1.0]), Visibility::NearRim);
         assert_eq!(see([0.5, 1e-6, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear);
-        let flat = Mesh::new("flat", &points.map(|[x, y, _]| [x, y * 0.4e-6, 0.0]), mesh.faces.clone());
+        let thin = points.map(|[x, y, _]| [x, y * 0.4e-6, 0.0]).to_vec();
+        let flat = Patch::new(Target::Edge, thin, patch.faces.clone());
         let ray = Ray::new([0.5, 0.2e-6, 2.0], [0.0, 0.0, -1.0], 1.0).expect("a ray");
-        assert_eq!(visibility(&ray, &flat, &patch), Visibility::Thin);
+        assert_eq!(visibility(&ray, &flat), Visibility::Thin);
     }
 }

@@ -2,7 +2,6 @@
 
 use super::design::{Design, Run, episodes_of};
 use crate::campaign::Episode;
-use crate::layout::Layout;
 use crate::subjects::Subject;
 use raypath_hdl::Module;
 use raypath_model::{OperationId, Shape, WordModel, Words};
@@ -51,7 +50,7 @@ impl Design for DatapathDesign {
         let mut last = 0;
         for number in episodes_of(number, EPISODES) {
             last = recorder.frames.len();
-            let mut trace = Episode::new(model, &Layout::of(model), seed, number).trace();
+            let mut trace = Episode::new(model, seed, number).trace();
             trace.jobs.retain(|job| Some(job.kind()) != omitted);
             recorder.reset();
             observe(&mut recorder, trace.jobs.iter(), &mut Traffic::recorded(trace.cycles), |_| true);

@@ -7,8 +7,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_model::{Model, OperationId, WordModel};
 use raypath_ops::{Port, PortKind};
 use raypath_sim::jobs::any_job;
-use raypath_verify_datapath::layout::Layout;
-use raypath_verify_datapath::stimuli::{Stimuli, splitmix64};
+use raypath_verify_datapath::stimuli::Stimuli;
 
 /// Jobs of a step. Each is the next of a stream of its own.
 pub const STREAMS: usize = 64;
@@ -16,11 +15,10 @@ pub const STREAMS: usize = 64;
 /// Jobs of an operation, as words at all ports in: those of the campaigns, and those of the regression tests, whose
 /// ports are drawn one by one. Many have numbers that show particular faults, or are next to a decision.
 pub fn jobs(model: &WordModel, kind: OperationId, steps: usize, seed: u64) -> Jobs {
-    let layout = Layout::of(model);
     let mut source = Source {
         kind,
         inputs: model.inputs(kind),
-        stimuli: Stimuli::new(&layout, model, splitmix64(seed)),
+        stimuli: Stimuli::new(model, seed),
         rng: ChaCha8Rng::seed_from_u64(seed),
         decider: model.clone(),
         waiting: Vec::new(),
@@ -32,7 +30,7 @@ pub fn jobs(model: &WordModel, kind: OperationId, steps: usize, seed: u64) -> Jo
 struct Source<'m> {
     kind: OperationId,
     inputs: &'m [Port],
-    stimuli: Stimuli<'m>,
+    stimuli: Stimuli,
     rng: ChaCha8Rng,
     /// The model whose decisions jobs are next to. It judges no outcome.
     decider: WordModel,

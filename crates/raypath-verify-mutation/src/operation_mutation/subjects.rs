@@ -11,7 +11,7 @@ use raypath_ops::{BoxBits, Culling, Operation, Rounding, Rules};
 use raypath_rtl::{Accumulators, Config, Lanes, OperationVisitor};
 use raypath_tools::pool;
 use raypath_verify::{Error, Level, Request};
-use raypath_verify_datapath::oracle::{Mistake, Oracle};
+use raypath_verify_datapath::oracle::Oracle;
 use raypath_verify_datapath::subjects::{self, Subject as Tested};
 use std::convert::Infallible;
 
@@ -61,10 +61,9 @@ fn tested(level: Level) -> Vec<Tested> {
         features.culling(Culling::None).range(true),
         features.culling(Culling::None).range(true).rules(Rules::Chisel),
     ];
-    let of = |config| Tested { config, added: Vec::new(), mistake: Mistake::ShortSignificand };
-    let mut tested: Vec<Tested> = configs.map(of).into();
+    let mut tested: Vec<Tested> = configs.map(Tested::from).into();
     let added = ["key_compare", "octbox", "point_in_box", "quantised_box", "sphere"];
-    tested.extend(added.map(|name| Tested { added: vec![name.to_string()], ..of(small) }));
+    tested.extend(added.map(|name| Tested::with(small, &[name])));
     if level > Level::Regression {
         let campaigns = subjects::all().into_iter();
         tested.extend(campaigns.filter(|tested| tested.config.semantics.format == Format::BINARY32));

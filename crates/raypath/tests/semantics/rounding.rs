@@ -1,7 +1,7 @@
 //! Rounding: each operation in the order of Table VII, and none fused (see `oracle`).
 
 use crate::semantics::answers::answers;
-use crate::semantics::oracle::{Oracle, TriangleSteps, add, mul, sub};
+use crate::semantics::oracle::{Oracle, TriangleSteps};
 use crate::semantics::random::{mixed_jobs, rng};
 use rand::RngExt;
 use raypath::ops::Rules;
@@ -22,8 +22,8 @@ fn another_order_of_operations_rounds_otherwise() {
     let (mut reordered, mut fused) = (0, 0);
     for _ in 0..1000 {
         let [a, b, c]: [f32; 3] = std::array::from_fn(|_| rng.random_range(-1.0..=1.0_f64) as f32);
-        reordered += usize::from(add(add(a, b), c) != add(a, add(b, c)));
-        fused += usize::from(a.mul_add(b, -c) != sub(mul(a, b), c));
+        reordered += usize::from((a + b) + c != a + (b + c));
+        fused += usize::from(a.mul_add(b, -c) != a * b - c);
     }
     assert!(reordered > 200 && fused > 200, "{reordered} {fused}");
 }
@@ -31,12 +31,6 @@ fn another_order_of_operations_rounds_otherwise() {
 /// The oracle for a known outcome: the triangle with corners at depth 2 of which 1/3 is on each side.
 #[test]
 fn the_oracle_is_right_where_the_answer_is_known() {
-    assert_eq!(add(16_777_216.0, 1.0), 16_777_216.0, "a tie goes to even");
-    assert_eq!(add(16_777_218.0, 1.0), 16_777_220.0);
-    assert_eq!(mul(f32::from_bits(1), 0.5).to_bits(), 0, "a subnormal tie goes to even");
-    assert_eq!(mul(f32::from_bits(3), 0.5).to_bits(), 2);
-    assert_eq!(sub(1.0, 1.0).to_bits(), 0);
-    assert_eq!(sub(f32::MAX, -f32::MAX), f32::INFINITY);
     let ray = crate::semantics::answers::ray([0.0; 3], [0.0, 0.0, 1.0], f32::INFINITY);
     let triangle = raypath::ops::Triangle::new([-1.0, -1.0, 2.0], [0.0, 1.0, 2.0], [1.0, -1.0, 2.0]);
     let steps = TriangleSteps::of(&raypath::ops::RayTriangleInput { ray, triangle });

@@ -150,19 +150,3 @@ impl Field {
         field.unwrap_or(Self::Unknown)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::subjects;
-
-    #[test]
-    fn every_port_is_known_and_distinct() {
-        for subject in subjects::all() {
-            for (name, fields) in Layout::of(&subject.datapath().model()).operations {
-                assert!(!fields.contains(&Field::Unknown), "{subject}, {name}: {fields:?}");
-                assert!((1..fields.len()).all(|i| !fields[..i].contains(&fields[i])), "{subject}, {name}: {fields:?}");
-            }
-        }
-    }
-}

@@ -1,4 +1,4 @@
-//! Deliberate mistakes of the oracle: the item `models` must report each of them.
+//! Deliberate mistakes of the oracle: the comparisons must report each of them.
 
 /// A deliberate mistake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
