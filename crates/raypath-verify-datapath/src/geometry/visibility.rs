@@ -192,7 +192,8 @@ mod tests {
         assert_eq!(see([0.5, 1e-8, 2.0], [0.0, 0.0, -1.0]), Visibility::NearRim);
         assert_eq!(see([0.5, 1.5, 2.0], [0.0, 0.0, -1.0]), Visibility::NearRim);
         assert_eq!(see([0.5, 1e-6, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear);
-        let flat = Patch { vertices: points.map(|[x, y, _]| [x, y * 0.4e-6, 0.0]).to_vec(), ..patch.clone() };
+        let thin = points.map(|[x, y, _]| [x, y * 0.4e-6, 0.0]).to_vec();
+        let flat = Patch::new(Target::Edge, thin, patch.faces.clone());
         let ray = Ray::new([0.5, 0.2e-6, 2.0], [0.0, 0.0, -1.0], 1.0).expect("a ray");
         assert_eq!(visibility(&ray, &flat), Visibility::Thin);
     }
