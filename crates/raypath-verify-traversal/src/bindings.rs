@@ -237,15 +237,16 @@ pub fn decoder(_: &Setting, module: &Module) -> String {
 }
 
 /// What the part that derives constants returns: `p_known` with its context, whether it is for an instance, and the
-/// constants.
+/// lowest bits of the constants.
 pub fn rays(setting: &Setting, module: &Module) -> String {
-    const CONSTANTS: &str = "@_inv_x, @_inv_y, @_inv_z, @_shear_x, @_shear_y, @_shear_z, @_kx, @_ky, @_kz";
+    const CONSTANTS: [&str; 9] = ["inv_x", "inv_y", "inv_z", "shear_x", "shear_y", "shear_z", "kx", "ky", "kz"];
     let has_instances = setting.unit.parameters.step.features.instances;
     let (part, is_instance, is_inside, given, shown) = match has_instances {
         true => ("entries", "entries_is_instance", "job_inside_i", ", @_is_instance", ", start_is_instance_o"),
         false => ("set_up", "1'b0", "1'b0, p_instances_stay = 1'b1", "", ""),
     };
     let width = module.port_width("start_context_o").unwrap_or(1);
+    let constants = CONSTANTS.map(|name| format!("@_{name}[0]")).join(", ");
     format!(
         "  localparam int A = {width};\n  (* anyconst *) logic [A-1:0] p_context;\n  \
          always_comb assume (p_context < N);\n  wire [A-1:0] p_known_context = @_context;\n  \
@@ -253,7 +254,7 @@ pub fn rays(setting: &Setting, module: &Module) -> String {
          wire p_is_instance = {is_instance}, p_is_inside = {is_inside};\n  \
          wire [W-1:0] p_known_word = {{@_context, @_is_refused{given}}};\n  \
          wire [W-1:0] p_start_word = {{start_context_o, start_is_refused_o{shown}}};\n  \
-         wire [197:0] p_constants = {{{CONSTANTS}}};\n"
+         wire [8:0] p_constants = {{{constants}}};\n"
     )
     .replace('@', part)
 }

@@ -184,7 +184,7 @@ claims! {
     }
     "raypath_unit_weights" in Quantised: include_str!("properties/weights.sv"),
         None, weights; "p_follows_q && p_leaves && p_ahead_q == 2"; {
-        both: "ends = enters & is_second_q" => "ends = enters";
+        order: "ends = enters & is_second_q" => "ends = enters";
         order: "moves   = ~is_complete | ready_i" => "moves   = 1'b1";
         progress: "is_complete = divider_valid & divider_tag[0]" => "is_complete = divider_valid";
         both: "if (divider_valid & ~divider_tag[0]) begin" => "if (divider_valid) begin";

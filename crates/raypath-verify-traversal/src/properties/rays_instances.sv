@@ -4,12 +4,15 @@
   (* hierconn *) logic [A-1:0] \u_object_constants.slot ;
   (* hierconn *) logic [197:0] \u_object_constants.word_q ;
   always_comb assume (\u_object_constants.slot == p_context);
-  p_kept #(.B (198)) p_keeps_object_constants (
+  p_kept #(.B (9)) p_keeps_object_constants (
     .clk_i, .rst_ni, .writes (p_known && p_is_instance && p_known_context == p_context),
     .reads (job_read_i && job_context_i == p_context), .ignored (!p_is_inside),
-    .given (p_constants), .stored (\u_object_constants.word_q ),
-    .shown ({job_inv_x_o, job_inv_y_o, job_inv_z_o, job_shear_x_o, job_shear_y_o, job_shear_z_o, job_kx_o, job_ky_o,
-      job_kz_o}),
+    .given (p_constants),
+    .stored ({\u_object_constants.word_q [166], \u_object_constants.word_q [134], \u_object_constants.word_q [102],
+      \u_object_constants.word_q [70], \u_object_constants.word_q [38], \u_object_constants.word_q [6], \u_object_constants.word_q [4],
+      \u_object_constants.word_q [2], \u_object_constants.word_q [0]}),
+    .shown ({job_inv_x_o[0], job_inv_y_o[0], job_inv_z_o[0], job_shear_x_o[0], job_shear_y_o[0],
+      job_shear_z_o[0], job_kx_o[0], job_ky_o[0], job_kz_o[0]}),
     .right (p_object_constants_right), .stays (p_object_constants_stays)
   );
   (* hierconn *) logic [A-1:0] \u_object_origins.slot ;
