@@ -11,7 +11,8 @@ pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wir
     let layers = width.next_power_of_two().ilog2();
     let beyond = amount.bits(amount.width() - 1, layers).any().named("beyond");
     let vanishes = (beyond | zero).named("vanishes");
-    let layer = |(word, lost): (Wire<'m>, Wire<'m>), layer: u32| {
+    let (mut word, mut lost) = (word, beyond);
+    for layer in (0..layers).rev() {
         let step = 1 << layer;
         let select = amount.bit(layer);
         let shifted = word.shift_right(m.constant(layers, step.into()));
@@ -20,9 +21,9 @@ pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wir
             0 => (word & (!select & !vanishes).replicate(width)) | (shifted & (select & !vanishes).replicate(width)),
             _ => select.mux(shifted, word),
         };
-        let lost = lost | (select & word.lower(step).any());
-        (aligned.named(&format!("aligned_{step}")), lost.named(&format!("lost_{step}")))
-    };
-    let (aligned, lost) = (0..layers).rev().fold((word, beyond), layer);
-    aligned | (lost & !zero).extend(width)
+        let lost_here = lost | (select & word.lower(step).any());
+        word = aligned.named(&format!("aligned_{step}"));
+        lost = lost_here.named(&format!("lost_{step}"));
+    }
+    word | (lost & !zero).extend(width)
 }

@@ -177,23 +177,28 @@ fn reduce<'m>(mut rows: Vec<Wire<'m>>, levels: u32, complements: &mut Vec<Wire<'
     let mut level = 0;
     while rows.len() > 2 && level < levels {
         let count = rows.len();
-        let full_adders = |(number, chunk): (usize, &[Wire<'m>])| match *chunk {
-            [x, y, z] => {
-                let (m, width) = (x.builder(), x.width());
-                let named = |wire: Wire<'m>, what: &str| wire.named(&format!("{what}_{count}_{number}"));
-                let differ = named(x ^ z, "differ");
-                let carry = (differ & y) | (!differ & x);
-                let lowest = complements.pop().unwrap_or_else(|| m.constant(1, 0));
-                m.unused(&format!("unused_carry_{count}_{number}"), &[carry.top()]);
-                let carries = m.concat(&[carry.lower(width - 1), lowest]);
-                vec![named(differ ^ y, "sum"), named(carries, "carries")]
+        let mut reduced = Vec::new();
+        for (number, chunk) in rows.chunks(3).enumerate() {
+            match *chunk {
+                [x, y, z] => reduced.extend(full_adders([x, y, z], complements.pop(), &format!("{count}_{number}"))),
+                _ => reduced.extend_from_slice(chunk),
             }
-            _ => chunk.to_vec(),
-        };
-        rows = rows.chunks(3).enumerate().flat_map(full_adders).collect();
+        }
+        rows = reduced;
         level += 1;
     }
     rows
+}
+
+/// A full adder for each place of three rows: the rows of sums and of carries, whose lowest place is free for `lowest`.
+fn full_adders<'m>([x, y, z]: [Wire<'m>; 3], lowest: Option<Wire<'m>>, number: &str) -> [Wire<'m>; 2] {
+    let (m, width) = (x.builder(), x.width());
+    let differ = (x ^ z).named(&format!("differ_{number}"));
+    let carry = (differ & y) | (!differ & x);
+    let lowest = lowest.unwrap_or_else(|| m.constant(1, 0));
+    m.unused(&format!("unused_carry_{number}"), &[carry.top()]);
+    let carries = m.concat(&[carry.lower(width - 1), lowest]);
+    [(differ ^ y).named(&format!("sum_{number}")), carries.named(&format!("carries_{number}"))]
 }
 
 /// Passes rows and the complements still to be added to the next part.

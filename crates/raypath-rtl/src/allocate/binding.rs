@@ -150,41 +150,65 @@ fn is_chained(graph: &OperationGraph<Step>, step: &PositionValues, values: &[Nod
 /// The nets at a unit's operand for the operations bound so far, and whether their signs are inverted.
 type Nets = BTreeSet<(Origin, bool)>;
 
+/// A unit for a value. The order is that of preference: the fields decide from the first to the last.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Candidate {
+    /// How many operands of the unit would get a net more, which is an input more of their multiplexers.
+    new_nets: usize,
+    /// Whether the value's operands are exchanged.
+    swapped: bool,
+    /// How far the unit's number is from the value's place in its round, so that values keep their order.
+    displacement: usize,
+    /// The value's place in its round.
+    value: usize,
+    /// The unit's number in the set.
+    unit: usize,
+    /// The nets at the operands.
+    nets: [(Origin, bool); 2],
+}
+
 /// Binds values to the units where they add the fewest nets; the round with the most values is first.
 fn bind_by_nets(step: &StepValues<'_>, first: Unit, rounds: &[Round], bindings: &mut [Bindings]) {
     let units = rounds.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
     let mut nets: Vec<[Nets; 2]> = vec![Default::default(); units];
     let mut order: Vec<&Round> = rounds.iter().collect();
     order.sort_by_key(|(_, values)| std::cmp::Reverse(values.len()));
-    for &(op, ref values) in order {
-        let mut candidates = Vec::new();
-        for (index, &id) in values.iter().enumerate() {
-            for swapped in [false, true] {
-                if !step.widths.fits(first.width, op, &step.operations[op], id, swapped) {
-                    continue;
-                }
-                let Some(operands) = operands(step, op, id, swapped) else { continue };
-                for (number, nets) in nets.iter().enumerate() {
-                    let new =
-                        operands.iter().zip(nets).filter(|(net, known)| !known.is_empty() && !known.contains(net));
-                    candidates.push((new.count(), swapped, index.abs_diff(number), index, number, operands.clone()));
-                }
-            }
-        }
-        candidates.sort();
+    for round in order {
+        let (op, values) = round;
         let mut free = vec![true; units];
-        for (_, swapped, _, index, number, operands) in candidates {
-            let id = values[index];
-            if free[number] && !bindings[op].contains_key(&id) {
-                free[number] = false;
-                let unit = Unit { number: first.number + number, ..first };
-                bindings[op].insert(id, Binding { unit, swapped });
-                for (net, known) in operands.into_iter().zip(&mut nets[number]) {
+        for Candidate { swapped, value, unit, nets: operands, .. } in candidates(step, first.width, round, &nets) {
+            let id = values[value];
+            if free[unit] && !bindings[*op].contains_key(&id) {
+                free[unit] = false;
+                let bound = Unit { number: first.number + unit, ..first };
+                bindings[*op].insert(id, Binding { unit: bound, swapped });
+                for (net, known) in operands.into_iter().zip(&mut nets[unit]) {
                     known.insert(net);
                 }
             }
         }
     }
+}
+
+/// All units for all values of a round, the best first. `nets` are those at the units so far.
+fn candidates(step: &StepValues<'_>, width: UnitWidth, (op, values): &Round, nets: &[[Nets; 2]]) -> Vec<Candidate> {
+    let mut candidates = Vec::new();
+    for (value, &id) in values.iter().enumerate() {
+        for swapped in [false, true] {
+            if !step.widths.fits(width, *op, &step.operations[*op], id, swapped) {
+                continue;
+            }
+            let Some(operands) = operands(step, *op, id, swapped) else { continue };
+            for (unit, known) in nets.iter().enumerate() {
+                let is_new = |(net, known): &(_, &Nets)| !known.is_empty() && !known.contains(*net);
+                let new_nets = operands.iter().zip(known).filter(is_new).count();
+                let displacement = value.abs_diff(unit);
+                candidates.push(Candidate { new_nets, swapped, displacement, value, unit, nets: operands.clone() });
+            }
+        }
+    }
+    candidates.sort();
+    candidates
 }
 
 /// The nets of a value's two operands; `None` if they are to be exchanged and cannot be.

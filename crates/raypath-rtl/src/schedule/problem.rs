@@ -183,22 +183,25 @@ fn close(graph: &OperationGraph<Stage>, sets: &mut DisjointSets, member: NodeId)
         .filter(|(operand, id)| operand != id)
         .collect();
     let own = sets.first(member);
-    let reach = |along: &dyn Fn((NodeId, NodeId)) -> (NodeId, NodeId)| {
-        let mut next: BTreeMap<NodeId, Vec<NodeId>> = BTreeMap::new();
-        for (from, to) in edges.iter().copied().map(along) {
-            next.entry(from).or_default().push(to);
-        }
-        let (mut reached, mut open) = (BTreeSet::new(), vec![own]);
-        while let Some(id) = open.pop() {
-            let new = next.get(&id).into_iter().flatten().filter(|&&id| reached.insert(id));
-            open.extend(new.copied());
-        }
-        reached
-    };
-    let (after, before) = (reach(&|edge| edge), reach(&|(operand, id)| (id, operand)));
+    let after = reached(own, edges.iter().copied());
+    let before = reached(own, edges.iter().map(|&(operand, id)| (id, operand)));
     let between: Vec<NodeId> = after.intersection(&before).copied().filter(|&id| id != own).collect();
     between.iter().for_each(|&id| sets.join(own, id));
     !between.is_empty()
+}
+
+/// The values that a path of edges leads to.
+fn reached(start: NodeId, edges: impl Iterator<Item = (NodeId, NodeId)>) -> BTreeSet<NodeId> {
+    let mut next: BTreeMap<NodeId, Vec<NodeId>> = BTreeMap::new();
+    for (from, to) in edges {
+        next.entry(from).or_default().push(to);
+    }
+    let (mut reached, mut open) = (BTreeSet::new(), vec![start]);
+    while let Some(id) = open.pop() {
+        let new = next.get(&id).into_iter().flatten().filter(|&&id| reached.insert(id));
+        open.extend(new.copied());
+    }
+    reached
 }
 
 /// Disjoint sets of values. The first value of a set represents it.

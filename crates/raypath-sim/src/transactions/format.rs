@@ -30,25 +30,27 @@ pub struct Columns {
 
 /// The columns for an operation of a model with numbers of `format`.
 pub fn columns(model: &WordModel, kind: OperationId, format: Format) -> Columns {
-    let columns = |ports: &[Port]| -> Vec<Column> {
-        let mut ports: Vec<&Port> = ports.iter().collect();
-        let is_recorded = kind.paper().is_some();
-        if is_recorded {
-            ports.sort_by_key(|port| (recorded_position(&port.name), port.name.ends_with("_max")));
-        }
-        let of_port = |port: &Port| {
-            let width = port.width.unwrap_or(format.ieee_width());
-            let by_bit = is_recorded && port.name == "is_intersect";
-            let (bits, width) = if by_bit { ((0..width).map(Some).collect(), 1) } else { (vec![None], width) };
-            let column = |bit| Column { port: port.name.clone(), bit, width };
-            bits.into_iter().map(column).collect::<Vec<_>>()
-        };
-        ports.into_iter().flat_map(of_port).collect()
-    };
-    let (inputs, outputs) = (columns(model.inputs(kind)), columns(model.outputs(kind)));
+    let [inputs, outputs] = [model.inputs(kind), model.outputs(kind)].map(|ports| of_ports(ports, kind, format));
     let is_beat = matches!(kind.paper(), Some(JobKind::Euclidean | JobKind::Angular));
     let lanes = inputs.iter().filter(|column| column.port.starts_with("euclidean_a_")).count();
     Columns { inputs, outputs, lanes: is_beat.then_some(lanes) }
+}
+
+/// The columns of the inputs or the outputs of an operation.
+fn of_ports(ports: &[Port], kind: OperationId, format: Format) -> Vec<Column> {
+    let is_recorded = kind.paper().is_some();
+    let mut ports: Vec<&Port> = ports.iter().collect();
+    if is_recorded {
+        ports.sort_by_key(|port| (recorded_position(&port.name), port.name.ends_with("_max")));
+    }
+    let mut columns = Vec::new();
+    for port in ports {
+        let width = port.width.unwrap_or(format.ieee_width());
+        let by_bit = is_recorded && port.name == "is_intersect";
+        let (bits, width) = if by_bit { ((0..width).map(Some).collect(), 1) } else { (vec![None], width) };
+        columns.extend(bits.into_iter().map(|bit| Column { port: port.name.clone(), bit, width }));
+    }
+    columns
 }
 
 /// The beginnings of the ports' names in the order in which the golden vectors have them. The bounds of a box are

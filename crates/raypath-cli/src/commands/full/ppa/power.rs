@@ -88,21 +88,21 @@ impl<'d> Streams<'d> {
 
     /// The cycles of each stream after the reset.
     fn cycles(&self, jobs: &[Words], length: usize) -> Vec<Vec<Cycle>> {
-        let stream = |stream: usize| {
-            let first = stream * jobs.len() / STREAMS;
-            let own: Vec<Words> = jobs.iter().cycle().skip(first).take(length).cloned().collect();
-            let stimulus = Stimulus {
-                shape: self.shape.clone(),
-                encoding: self.encoding,
-                jobs: &own,
-                answers: Answers::Model(self.model.clone()),
-                traffic: Traffic::always(),
-                resets: Vec::new(),
-            };
-            let in_reset = |cycle: &Cycle| cycle.inputs[0] == 0;
-            stimulus.cycles(self.top).into_iter().skip_while(in_reset).collect()
+        let firsts = (0..STREAMS).map(|stream| stream * jobs.len() / STREAMS);
+        firsts.map(|first| self.stream(jobs.iter().cycle().skip(first).take(length).cloned().collect())).collect()
+    }
+
+    /// The cycles of a stream of these jobs after the reset.
+    fn stream(&self, jobs: Vec<Words>) -> Vec<Cycle> {
+        let stimulus = Stimulus {
+            shape: self.shape.clone(),
+            encoding: self.encoding,
+            jobs: &jobs,
+            answers: Answers::Model(self.model.clone()),
+            traffic: Traffic::always(),
+            resets: Vec::new(),
         };
-        (0..STREAMS).map(stream).collect()
+        stimulus.cycles(self.top).into_iter().skip_while(|cycle| cycle.inputs[0] == 0).collect()
     }
 
     fn accepts(&self, cycle: &Cycle) -> bool {
