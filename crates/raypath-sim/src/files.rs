@@ -1,4 +1,4 @@
-//! Writing of files, all or none.
+//! Writing of files, each of them whole.
 
 use std::fs;
 use std::io::{Error, Write};
@@ -18,11 +18,15 @@ pub struct FileError {
     pub problem: Error,
 }
 
-/// Writes all of these files, or none. Writes temporary files beside the targets first and then renames them. Creates
-/// missing folders, and removes them if a file cannot be written.
+/// Writes these files: first all of them as temporary files beside their targets, then renames these in order. Creates
+/// missing folders, and removes those that are empty after an error.
+///
+/// A target is its old file or its new one, never a part of it. If the temporary files cannot be written, because the
+/// disk is full for example, every target is as it was. If a rename fails or the program is ended between renames, the
+/// targets before it are new and the others as they were.
 ///
 /// # Errors
-/// A folder or a file that cannot be written.
+/// A folder or a file that cannot be written. If some files are new by then, the message says how many.
 pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), FileError> {
     let mut targets = Vec::new();
     for (path, bytes) in files {
@@ -39,11 +43,19 @@ pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), FileError
         make_readable(&file).map_err(|problem| failed(path, "set its permissions", problem))?;
         written.push((path, file));
     }
-    for (path, file) in written {
-        file.persist(path).map_err(|problem| failed(path, "write", problem.error))?;
+    let total = written.len();
+    for (done, (path, file)) in written.into_iter().enumerate() {
+        file.persist(path).map_err(|problem| match done {
+            0 => failed(path, "write", problem.error),
+            _ => failed(path, "write", partly(&problem.error, done, total)),
+        })?;
     }
     folders.0.clear();
     Ok(())
+}
+
+fn partly(problem: &Error, done: usize, total: usize) -> Error {
+    Error::new(problem.kind(), format!("{problem}; {done} of {total} files are written, expected all"))
 }
 
 /// The files with `folder` in front of their paths.
@@ -99,4 +111,32 @@ fn make_readable(_: &NamedTempFile) -> std::io::Result<()> {
 
 fn failed(path: &Path, doing: &'static str, problem: Error) -> FileError {
     FileError { path: path.to_path_buf(), doing, problem }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_before_the_first_rename_leaves_everything_as_it_was() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (old, new) = (folder.path().join("old"), folder.path().join("new/file"));
+        fs::write(&old, "old").expect("a file");
+        // A file is not a folder.
+        let files = [(old.clone(), "new"), (new.clone(), "new"), (old.join("below"), "new")];
+        assert_eq!(write_all(&files).expect_err("no folder").path, old.join("below"));
+        assert_eq!(fs::read_to_string(&old).expect("the file"), "old");
+        assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1);
+    }
+
+    #[test]
+    fn an_error_between_renames_says_how_many_files_are_new() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let inside = folder.path().join("both/inside");
+        // The second file has the name of the first one's folder.
+        let files = [(inside.clone(), "new"), (folder.path().join("both"), "new")];
+        let message = write_all(&files).expect_err("a folder is there").to_string();
+        assert!(message.ends_with("; 1 of 2 files are written, expected all"), "{message}");
+        assert_eq!(fs::read_to_string(&inside).expect("the file"), "new");
+    }
 }

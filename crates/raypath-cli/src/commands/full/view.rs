@@ -84,7 +84,7 @@ pub fn print_rows(rows: &[(String, String)], out: &mut dyn Write) -> Result<(), 
     Ok(())
 }
 
-/// Writes all of these files, or none, and prints their paths.
+/// Writes these files, each of them whole ([`write_all`]), and prints their paths.
 pub fn write_and_name<T: AsRef<[u8]>>(files: &[(PathBuf, T)], out: &mut dyn Write) -> Result<(), CliError> {
     write_all(files)?;
     files.iter().try_for_each(|(path, _)| writeln!(out, "wrote {}", path.display()))?;
