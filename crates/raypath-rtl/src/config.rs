@@ -2,11 +2,12 @@
 //!
 //! Each parameter is declared once, in one of the `declare_parameters!` blocks of `declarations.rs`. The struct's
 //! field, its default, the command-line flag, the TOML key, the help text and the table in the documents follow from
-//! the declaration ([`Parameter`]).
+//! the declaration ([`Parameter`]). The combinations that are refused are declared in `exceptions.rs` ([`EXCEPTIONS`]).
 
 mod choice;
 mod declarations;
 mod enumerations;
+mod exceptions;
 mod operations;
 mod parameter;
 mod preset;
@@ -17,6 +18,7 @@ pub use declarations::{Config, Features, Microarchitecture, PARAMETER_GROUPS, Se
 pub use enumerations::{
     Accumulators, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing,
 };
+pub use exceptions::{Choice, EXCEPTIONS, Exception};
 pub use operations::OperationVisitor;
 pub use parameter::{Parameter, ParameterGroup};
 pub use preset::{PRESETS, Preset};

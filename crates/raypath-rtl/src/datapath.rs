@@ -91,7 +91,6 @@ impl Datapath {
     /// Those of [`Datapath::of`].
     pub fn build(operations: Operations, microarchitecture: Microarchitecture) -> Result<Self, Error> {
         let Operations { format, exception_flags: with_flags, .. } = operations;
-        microarchitecture.check(with_flags)?;
         let (staged, stages) = operations.staged(microarchitecture)?;
         let (operations, labels) = schedule::expand(&staged, microarchitecture.unit_latency.steps(), stages);
         let plan = Plan::new(operations, labels, format, microarchitecture)?;

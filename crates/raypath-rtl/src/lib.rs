@@ -26,9 +26,9 @@ pub mod report;
 mod schedule;
 
 pub use config::{
-    Accumulators, Config, Control, Encoding, Features, Interval, Lanes, Microarchitecture, Multiplier,
-    OperationVisitor, PARAMETER_GROUPS, PRESETS, Parameter, ParameterGroup, ParseChoiceError, Preset, Semantics,
-    Sharing, UnitLatency, UnitSharing, alternatives, parameters,
+    Accumulators, Choice, Config, Control, EXCEPTIONS, Encoding, Exception, Features, Interval, Lanes,
+    Microarchitecture, Multiplier, OperationVisitor, PARAMETER_GROUPS, PRESETS, Parameter, ParameterGroup,
+    ParseChoiceError, Preset, Semantics, Sharing, UnitLatency, UnitSharing, alternatives, parameters,
 };
 pub use datapath::{Datapath, Registers, StageNote, StateLoop};
 pub use emit::properties::{Bind, Checker, Properties};

@@ -1,6 +1,6 @@
 //! The set of operations that a datapath is built from.
 
-use crate::config::{Encoding, Features, Microarchitecture, OperationVisitor};
+use crate::config::{Config, Encoding, Features, Microarchitecture, OperationVisitor};
 use crate::error::Error;
 use crate::ir::graph::{MAX_OPERATIONS, Op, OperationGraph};
 use crate::ir::position::{SHORT_STAGES, STAGES, Stage};
@@ -203,13 +203,23 @@ impl Operations {
             Encoding::Ieee => self.format.ieee_width(),
             Encoding::Recoded => self.format.recoded_width(),
         };
-        if self.graphs.iter().flat_map(|graph| &graph.nodes).any(|node| matches!(node.op, Op::Sum(_))) {
-            microarchitecture.check_sums(self.exception_flags)?;
-        }
+        self.config(microarchitecture).check()?;
         let staged = schedule::assign(self.graphs, &Target { budget: self.budget, number_width, sharing })?;
         let last = staged.iter().flat_map(|graph| &graph.nodes).map(|node| node.position).max();
         let is_short = self.rounding == Rounding::Sum && last <= Some(Stage(SHORT_STAGES));
         Ok((staged, if is_short { SHORT_STAGES } else { STAGES }))
+    }
+}
+
+impl Operations {
+    /// What these operations have in common with a configuration of the paper's, for its exceptions. Their formats have
+    /// none: only the models of the paper's operations lack exceptions in other formats than binary32.
+    fn config(&self, microarchitecture: Microarchitecture) -> Config {
+        let mut nodes = self.graphs.iter().flat_map(|graph| &graph.nodes);
+        let has_sums = nodes.any(|node| matches!(node.op, Op::Sum(_)));
+        let rounding = if has_sums { Rounding::Sum } else { Rounding::Unit };
+        let config = Config { microarchitecture, ..Config::DEFAULT };
+        config.rounding(rounding).exception_flags(self.exception_flags)
     }
 }
 

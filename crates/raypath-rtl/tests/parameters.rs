@@ -1,7 +1,8 @@
 //! The table of parameters against the configuration.
 
-use raypath_ops::{BoxBits, Rules};
-use raypath_rtl::{Config, Datapath, Interval, Lanes, UnitLatency, parameters};
+use raypath_float::Format;
+use raypath_ops::{BoxBits, Rounding, Rules};
+use raypath_rtl::{Choice, Config, Datapath, EXCEPTIONS, Exception, Interval, Lanes, UnitLatency, parameters};
 use std::collections::BTreeSet;
 
 /// Every listed value of a parameter is accepted, selects a configuration of its own, and is displayed unchanged.
@@ -44,23 +45,59 @@ fn the_display_of_a_configuration_is_its_changes() {
     assert_eq!(Config::DEFAULT.to_string(), "lanes 16, rules paper");
 }
 
-/// The message names the option, its value and what was expected.
+/// For each exception, a configuration whose only fault it is, and the beginning and the end of the message.
 #[test]
-fn an_interval_is_refused_where_it_cannot_work() {
-    let folded = Config::DEFAULT.interval(Interval::Four);
-    for (config, expected) in [
+fn each_exception_is_refused() {
+    let (folded, sums) = (Config::DEFAULT.interval(Interval::Four), Config::DEFAULT.rounding(Rounding::Sum));
+    let (bounds, divided) = (Rules::Bounds(BoxBits::DEFAULT), UnitLatency::Two);
+    let (conservative, quantised) = (Config::DEFAULT.conservative(true), Config::DEFAULT.quantised_boxes(true));
+    let refused = [
+        (Config::DEFAULT.box_bits(BoxBits(9)), "box-bits: 9 is not available with rules paper", "rules bounds"),
         (
-            folded.unit_latency(UnitLatency::Two),
-            "interval: 4 is not available with unit-latency 2, expected unit-latency 1",
+            Config::DEFAULT.rules(bounds).format(Format::BINARY16),
+            "box-bits: 13 is not available with format fp16",
+            "fewer box-bits or a longer format",
         ),
-        (folded.exception_flags(true), "interval: 4 is not available with exception flags, expected interval 1"),
-        (folded.clock_gating(true), "interval: 4 is not available with clock gating, expected interval 1"),
+        (conservative.rules(Rules::Chisel), "conservative: true is not available with rules chisel", "rules paper"),
+        (conservative.rules(bounds), "conservative: true is not available with rules bounds", "rules paper"),
         (
-            folded.rules(Rules::Bounds(BoxBits::DEFAULT)),
-            "interval: 4 is not available with rules bounds, expected interval 1",
+            quantised.conservative(true),
+            "quantised-boxes: true is not available with conservative true",
+            "conservative false",
         ),
-    ] {
-        let problem = Datapath::new(config).expect_err("a refusal");
-        assert_eq!(problem.to_string(), expected);
+        (quantised.rules(Rules::Chisel), "quantised-boxes: true is not available with rules chisel", "rules paper"),
+        (quantised.rules(bounds), "quantised-boxes: true is not available with rules bounds", "rules paper"),
+        (
+            Config::DEFAULT.exception_flags(true).format(Format::BINARY16),
+            "exception-flags: true is not available with format fp16",
+            "format fp32",
+        ),
+        (sums.rules(Rules::Chisel), "rounding: sum is not available with rules chisel", "rules paper or bounds"),
+        (sums.interval(Interval::Four), "rounding: sum is not available with interval 4", "interval 1"),
+        (sums.unit_latency(divided), "rounding: sum is not available with unit-latency 2", "unit-latency 1"),
+        (sums.exception_flags(true), "rounding: sum is not available with exception-flags true", "rounding unit"),
+        (folded.unit_latency(divided), "interval: 4 is not available with unit-latency 2", "unit-latency 1"),
+        (folded.exception_flags(true), "interval: 4 is not available with exception-flags true", "interval 1"),
+        (folded.clock_gating(true), "interval: 4 is not available with clock-gating true", "interval 1"),
+        (folded.rules(bounds), "interval: 4 is not available with rules bounds", "interval 1"),
+    ];
+    assert_eq!(refused.len(), EXCEPTIONS.len());
+    for ((config, beginning, expected), exception) in refused.into_iter().zip(EXCEPTIONS) {
+        let problem = config.check().expect_err("a refusal").to_string();
+        assert_eq!(problem, format!("{beginning}, because {}; expected {expected}", exception.reason));
+        assert!(Datapath::new(config).is_err());
     }
+}
+
+/// The documents have the table that `raypath configs` prints.
+#[test]
+fn documents_list_the_exceptions() {
+    let page = include_str!("../../../docs/reference/configurations.md");
+    for Exception { values, with, reason, .. } in EXCEPTIONS {
+        let cell = |choice: &Choice| format!("`{}` {}", choice.parameter, choice.values);
+        let row = format!("| {} | {} | {reason} |", cell(values), cell(with));
+        assert!(page.lines().any(|line| line == row), "docs/reference/configurations.md should have: {row}");
+    }
+    let rows = page.split("| refused | together with | because |").nth(1).expect("the table");
+    assert_eq!(rows.lines().skip(2).take_while(|line| line.starts_with('|')).count(), EXCEPTIONS.len());
 }

@@ -202,7 +202,14 @@ fn configs_lists_the_presets() {
     let output = raypath(&["configs"]);
     let said = said(&output);
     assert_eq!(output.status.code(), Some(0));
-    assert_eq!(said.lines().count(), 2 + raypath::rtl::PRESETS.len(), "{said}");
+    // Both tables have two lines of header, with three lines between them.
+    let rows = raypath::rtl::PRESETS.len() + raypath::rtl::EXCEPTIONS.len();
+    assert_eq!(said.lines().count(), 7 + rows, "{said}");
+    let exception = "| interval above 1 ";
+    assert!(
+        said.lines().any(|line| line.starts_with(exception) && line.contains("| unit-latency above 1 |")),
+        "{said}"
+    );
     for preset in raypath::rtl::PRESETS {
         let row = said.lines().find(|line| line.starts_with(&format!("| {} ", preset.name))).expect("a row");
         assert!(row.contains(&preset.config.options()) && row.contains(preset.purpose), "{row}");

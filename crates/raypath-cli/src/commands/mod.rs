@@ -16,7 +16,7 @@ use crate::error::CliError;
 use clap::{Parser, Subcommand};
 #[cfg(not(feature = "full"))]
 use light as full;
-use raypath_rtl::report::tables::presets;
+use raypath_rtl::report::tables::{exceptions, presets};
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
@@ -40,7 +40,7 @@ enum Command {
     /// Write the datapath, or with --unit the traversal unit, as SystemVerilog, show its parts, and check the netlist
     /// against the models
     Generate(generate::Arguments),
-    /// List the presets, which are named configurations
+    /// List the presets, which are named configurations, and the parameters that cannot be combined
     Configs,
     /// List the operations that a datapath can have, and the cost of each
     Operations(operations::Arguments),
@@ -58,7 +58,10 @@ impl CommandLine {
     pub fn run(self, out: &mut dyn Write) -> Result<(), CliError> {
         match self.command {
             Command::Generate(arguments) => generate::run(&arguments, out),
-            Command::Configs => Ok(writeln!(out, "{}", presets())?),
+            Command::Configs => {
+                writeln!(out, "{}\n\nAll values of all parameters combine, but these:\n", presets())?;
+                Ok(writeln!(out, "{}", exceptions())?)
+            }
             Command::Operations(arguments) => operations::run(&arguments, out),
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Full(command) => command.run(out),

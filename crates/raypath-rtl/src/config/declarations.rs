@@ -3,6 +3,7 @@
 use super::enumerations::{
     Accumulators, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing,
 };
+use super::exceptions::EXCEPTIONS;
 use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
 use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
@@ -135,18 +136,15 @@ impl Config {
     /// Checks that the parameters can be combined.
     ///
     /// # Errors
-    /// Those of [`Semantics::check`] and [`Microarchitecture::check`].
+    /// One of [`EXCEPTIONS`]; a tag of more than [`Features::MAX_TAG_WIDTH`] bits; bits of boxes below
+    /// [`BoxBits::MIN`] or above [`BoxBits::MAX`].
     pub fn check(self) -> Result<(), Error> {
-        self.semantics.check()?;
-        if self.semantics.rounding == Rounding::Sum {
-            self.microarchitecture.check_sums(self.semantics.features.exception_flags)?;
+        Features::check_tag(self.semantics.features.tag)?;
+        let (BoxBits(bits), least, most) = (self.semantics.box_bits, BoxBits::MIN.0, BoxBits::MAX.0);
+        if !(least..=most).contains(&bits) {
+            return Err(Error::Feature { feature: "box-bits", problem: format!("{bits}, expected {least} to {most}") });
         }
-        if matches!(self.semantics.rules, Rules::Bounds(_)) && self.microarchitecture.interval != Interval::One {
-            let problem =
-                format!("{} is not available with rules bounds, expected interval 1", self.microarchitecture.interval);
-            return Err(Error::Feature { feature: "interval", problem });
-        }
-        self.microarchitecture.check(self.semantics.features.exception_flags)
+        EXCEPTIONS.iter().try_for_each(|exception| exception.check(&self))
     }
 
     /// The command-line options that select this configuration, such as `--lanes none --control credit`; empty for the
@@ -196,95 +194,6 @@ impl Semantics {
             Rules::Bounds(_) => Rules::Bounds(self.box_bits),
             rules => rules,
         }
-    }
-
-    /// Checks that the features can be combined with each other, the rules and the format.
-    ///
-    /// # Errors
-    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under other rules than `paper`;
-    /// quantised boxes under other rules than `paper`, or conservative ones; bits of boxes under other rules than
-    /// `bounds`, or more than the format has; sums that round once under the rules `chisel`; exception flags in another
-    /// format than binary32.
-    pub fn check(self) -> Result<(), Error> {
-        let Features { tag, conservative, quantised_boxes, exception_flags, .. } = self.features;
-        Features::check_tag(tag)?;
-        self.check_box_bits()?;
-        if conservative && self.rules != Rules::Paper {
-            let reason = match self.rules {
-                Rules::Chisel => "which miss touched boxes",
-                _ => "under which no box is missed anyway",
-            };
-            let problem = format!("not available with rules {}, {reason}; expected rules paper", self.rules);
-            return Err(Error::Feature { feature: "conservative", problem });
-        }
-        if quantised_boxes && (conservative || self.rules != Rules::Paper) {
-            let found = if conservative { "conservative".to_string() } else { format!("rules {}", self.rules) };
-            let problem = format!("not available with {found}, which is about boxes of numbers; expected rules paper");
-            return Err(Error::Feature { feature: "quantised boxes", problem });
-        }
-        if self.rounding == Rounding::Sum && self.rules == Rules::Chisel {
-            let problem = "sum is not available with rules chisel, which answer as the original hardware; expected \
-                           rules paper or bounds";
-            return Err(Error::Feature { feature: "rounding", problem: problem.to_string() });
-        }
-        if exception_flags && self.format != Format::BINARY32 {
-            let problem = format!("not available in format {}, expected format fp32", self.format);
-            return Err(Error::Feature { feature: "exception flags", problem });
-        }
-        Ok(())
-    }
-}
-
-impl Microarchitecture {
-    /// Checks that an interval above 1 can be combined with the other parameters.
-    ///
-    /// # Errors
-    /// An interval above 1 with units of several steps, with clock gates, or with exception flags, which join all units
-    /// of a stage.
-    pub fn check(self, exception_flags: bool) -> Result<(), Error> {
-        let Self { interval, unit_latency, clock_gating, .. } = self;
-        let problem = match unit_latency {
-            _ if interval == Interval::One => return Ok(()),
-            UnitLatency::One if exception_flags => {
-                "not available with exception flags, expected interval 1".to_string()
-            }
-            UnitLatency::One if clock_gating => "not available with clock gating, expected interval 1".to_string(),
-            UnitLatency::One => return Ok(()),
-            _ => format!("not available with unit-latency {unit_latency}, expected unit-latency 1"),
-        };
-        Err(Error::Feature { feature: "interval", problem: format!("{interval} is {problem}") })
-    }
-
-    /// Checks that sums that round once can be combined with the other parameters.
-    ///
-    /// # Errors
-    /// Sums that round once with an interval above 1, units of several steps, or exception flags.
-    pub(crate) fn check_sums(self, exception_flags: bool) -> Result<(), Error> {
-        let Self { interval, unit_latency, .. } = self;
-        let problem = match unit_latency {
-            _ if interval != Interval::One => format!("interval {interval}, expected interval 1"),
-            UnitLatency::One if exception_flags => "exception flags, expected rounding unit".to_string(),
-            UnitLatency::One => return Ok(()),
-            _ => format!("unit-latency {unit_latency}, expected unit-latency 1"),
-        };
-        Err(Error::Feature { feature: "rounding", problem: format!("sum is not available with {problem}") })
-    }
-}
-
-impl Semantics {
-    fn check_box_bits(self) -> Result<(), Error> {
-        let BoxBits(bits) = self.box_bits;
-        let error = |problem: String| Err(Error::Feature { feature: "box bits", problem });
-        let is_bounds = matches!(self.rules, Rules::Bounds(_));
-        if !is_bounds && self.box_bits != BoxBits::DEFAULT {
-            return error(format!("{bits} not available with rules {}, expected rules bounds", self.rules));
-        }
-        let most = self.format.significand().min(BoxBits::MAX.0);
-        if is_bounds && !(BoxBits::MIN.0..=most).contains(&bits) {
-            let least = BoxBits::MIN.0;
-            return error(format!("{bits} not available in format {}, expected {least} to {most}", self.format));
-        }
-        Ok(())
     }
 }
 

@@ -1,6 +1,9 @@
 //! The datapath in tables: schedule (Table VII), units (Table VIII) and registers, all computed from the netlist.
 
-use crate::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, StageNote, StepLabel, UnitKind, UnitLatency, Units};
+use crate::{
+    Budget, Config, Datapath, EXCEPTIONS, Exception, Lanes, PRESETS, STAGES, StageNote, StepLabel, UnitKind,
+    UnitLatency, Units,
+};
 use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{ContentArrangement, Table};
 use raypath_ops::{JobKind, Rules};
@@ -85,6 +88,16 @@ pub fn presets() -> String {
     table.set_header(["preset", "what differs from the first", "what it is for"]);
     for preset in PRESETS {
         table.add_row([preset.name.to_string(), preset.config.options(), preset.purpose.to_string()]);
+    }
+    table.to_string()
+}
+
+/// The values of parameters that cannot be combined.
+pub fn exceptions() -> String {
+    let mut table = new_table();
+    table.set_header(["refused", "together with", "because"]);
+    for Exception { values, with, reason, .. } in EXCEPTIONS {
+        table.add_row([values.to_string(), with.to_string(), reason.to_string()]);
     }
     table.to_string()
 }

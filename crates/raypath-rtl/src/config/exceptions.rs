@@ -1,0 +1,107 @@
+//! Values of parameters that cannot be combined: every combination without one of these pairs can be elaborated.
+
+use super::declarations::{Config, parameters};
+use super::enumerations::{Interval, UnitLatency};
+use crate::error::Error;
+use raypath_float::Format;
+use raypath_ops::{BoxBits, Rounding, Rules};
+use std::fmt;
+
+/// Values of two parameters that cannot be combined.
+#[derive(Debug, Clone, Copy)]
+pub struct Exception {
+    /// The values that are refused.
+    pub values: Choice,
+    /// The values of another parameter with which they are.
+    pub with: Choice,
+    /// What to select instead of one of the two.
+    pub expected: &'static str,
+    /// Why they cannot be combined.
+    pub reason: &'static str,
+}
+
+/// Some values of a parameter.
+#[derive(Debug, Clone, Copy)]
+pub struct Choice {
+    /// The parameter.
+    pub parameter: &'static str,
+    /// Its values in words: `above 1`.
+    pub values: &'static str,
+    /// Whether the parameter has one of these values.
+    holds: fn(&Config) -> bool,
+}
+
+const FOLDED: Choice = choice("interval", "above 1", |c| c.microarchitecture.interval != Interval::One);
+const DIVIDED: Choice = choice("unit-latency", "above 1", |c| c.microarchitecture.unit_latency != UnitLatency::One);
+const GATED: Choice = choice("clock-gating", "true", |c| c.microarchitecture.clock_gating);
+const FLAGS: Choice = choice("exception-flags", "true", |c| c.semantics.features.exception_flags);
+const SUMS: Choice = choice("rounding", "sum", |c| c.semantics.rounding == Rounding::Sum);
+const CHISEL: Choice = choice("rules", "chisel", |c| c.semantics.rules == Rules::Chisel);
+const BOUNDS: Choice = choice("rules", "bounds", |c| matches!(c.semantics.rules, Rules::Bounds(_)));
+const NOT_BOUNDS: Choice = choice("rules", "paper or chisel", |c| !matches!(c.semantics.rules, Rules::Bounds(_)));
+const CONSERVATIVE: Choice = choice("conservative", "true", |c| c.semantics.features.conservative);
+const QUANTISED: Choice = choice("quantised-boxes", "true", |c| c.semantics.features.quantised_boxes);
+const NOT_BINARY32: Choice = choice("format", "other than fp32", |c| c.semantics.format != Format::BINARY32);
+const BOX_BITS: Choice = choice("box-bits", "other than 13", |c| c.semantics.box_bits != BoxBits::DEFAULT);
+const LONG_BOXES: Choice = choice("box-bits", "above the bits of a significand", |c| {
+    (BOUNDS.holds)(c) && c.semantics.box_bits.0 > c.semantics.format.significand()
+});
+const SHORT: Choice = choice("format", "with fewer bits and the rules bounds", |_| true);
+
+/// All pairs of values that cannot be combined. The first that a configuration has is the one that it is refused for.
+pub const EXCEPTIONS: &[Exception] = &[
+    exception(BOX_BITS, NOT_BOUNDS, "rules bounds", "only the rules bounds shorten the significands of boxes"),
+    exception(LONG_BOXES, SHORT, "fewer box-bits or a longer format", "a bound has no more bits than the format"),
+    exception(CONSERVATIVE, CHISEL, "rules paper", "the original hardware misses boxes that a ray touches"),
+    exception(CONSERVATIVE, BOUNDS, "rules paper", "under these rules no box is missed anyway"),
+    exception(
+        QUANTISED,
+        CONSERVATIVE,
+        "conservative false",
+        "it changes the test of boxes of numbers, and there is none",
+    ),
+    exception(QUANTISED, CHISEL, "rules paper", "the original hardware has no such boxes"),
+    exception(QUANTISED, BOUNDS, "rules paper", "they shorten boxes of numbers, and there are none"),
+    exception(FLAGS, NOT_BINARY32, "format fp32", "only in binary32 a model computes exceptions"),
+    exception(SUMS, CHISEL, "rules paper or bounds", "the original hardware rounds at every adder"),
+    exception(SUMS, FOLDED, "interval 1", "the rounds of a stage have no adder of several terms"),
+    exception(SUMS, DIVIDED, "unit-latency 1", "adders of several terms are not divided"),
+    exception(SUMS, FLAGS, "rounding unit", "adders of several terms signal no exceptions"),
+    exception(FOLDED, DIVIDED, "unit-latency 1", "a unit of several steps cannot change its operands in every round"),
+    exception(FOLDED, FLAGS, "interval 1", "exceptions join all units of a stage, not those of a round"),
+    exception(FOLDED, GATED, "interval 1", "registers already load in the rounds in which a value comes into them"),
+    exception(FOLDED, BOUNDS, "interval 1", "the rounds of a stage have no units for short significands"),
+];
+
+const fn choice(parameter: &'static str, values: &'static str, holds: fn(&Config) -> bool) -> Choice {
+    Choice { parameter, values, holds }
+}
+
+const fn exception(values: Choice, with: Choice, expected: &'static str, reason: &'static str) -> Exception {
+    Exception { values, with, expected, reason }
+}
+
+impl Exception {
+    /// Refuses a configuration that has both.
+    pub(super) fn check(&self, config: &Config) -> Result<(), Error> {
+        let Self { values, with, expected, reason } = self;
+        if !((values.holds)(config) && (with.holds)(config)) {
+            return Ok(());
+        }
+        let shown = |name: &str| {
+            let value = parameters().find(|parameter| parameter.name == name).map(|parameter| parameter.get(config));
+            value.unwrap_or_default()
+        };
+        let (value, other) = (shown(values.parameter), shown(with.parameter));
+        let problem =
+            format!("{value} is not available with {} {other}, because {reason}; expected {expected}", with.parameter);
+        Err(Error::Feature { feature: values.parameter, problem })
+    }
+}
+
+/// The parameter and its values: `interval above 1`.
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.parameter, self.values)
+    }
+}
