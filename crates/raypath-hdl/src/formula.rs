@@ -13,7 +13,7 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// A number with a name, which a module that uses it declares as an `int unsigned`.
+    /// A number with a name, which a module that uses it declares as a constant of 32 bits.
     pub fn named(name: &str, value: u64) -> Self {
         Self { value, text: name.to_string(), is_operation: false, names: vec![(name.to_string(), value)] }
     }

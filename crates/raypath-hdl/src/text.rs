@@ -5,6 +5,7 @@
 
 use crate::Error;
 use crate::netlist::{Label, Module, Signal, SignalId};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Declarations that the modules of a design share. They are printed before the modules.
@@ -105,6 +106,26 @@ pub struct Text {
     pub output: Option<PortGroup>,
     /// Whether the text has a parameter `Width` instead of words of [`PAYLOAD`] bits.
     pub has_width_parameter: bool,
+}
+
+/// `module` and all below it, printed as they are in the netlist: ports and registers of words, without a package and
+/// its structures, for tools that do not read types of packages, such as Icarus Verilog 11. It behaves the same.
+pub fn plain(module: &Arc<Module>) -> Arc<Module> {
+    plain_once(module, &mut HashMap::new())
+}
+
+/// Instances of one module keep sharing it.
+fn plain_once(module: &Arc<Module>, done: &mut HashMap<*const Module, Arc<Module>>) -> Arc<Module> {
+    if let Some(known) = done.get(&Arc::as_ptr(module)) {
+        return known.clone();
+    }
+    let mut plain = Module { text: Text::default(), ..Module::clone(module) };
+    for instance in &mut plain.instances {
+        instance.module = plain_once(&instance.module, done);
+    }
+    let plain = Arc::new(plain);
+    done.insert(Arc::as_ptr(module), plain.clone());
+    plain
 }
 
 impl Package {

@@ -98,7 +98,7 @@ fn ports(module: &Module) -> Vec<String> {
         }
     }
     let parameter = match text.has_width_parameter {
-        true => " #(\n  parameter int unsigned Width = 1\n)",
+        true => " #(\n  parameter logic [31:0] Width = 1\n)",
         false => "",
     };
     match rows.last_mut() {

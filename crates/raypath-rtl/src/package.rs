@@ -17,6 +17,7 @@
 mod design;
 mod fields;
 mod manifest;
+mod prefix;
 mod structures;
 mod text;
 mod wrapper;
@@ -25,9 +26,13 @@ use crate::Datapath;
 pub use design::{Wrapped, design, wrapped};
 use fields::{Direction, Field};
 use manifest::Sources;
+pub use prefix::{Prefix, PrefixError};
 use raypath_hdl::{Error, verilog};
 use std::path::PathBuf;
 use structures::Structures;
+
+/// Files with their paths in the output folder.
+pub type Files = Vec<(PathBuf, String)>;
 
 /// The files, each with its path in the output folder: `rtl/raypath_wrapper_pkg.sv`, `rtl/raypath_wrapper.sv`,
 /// `raypath_wrapper.f`, `raypath.core` and `Bender.yml`. They refer to the files of the package and the modules in
@@ -35,7 +40,7 @@ use structures::Structures;
 ///
 /// # Errors
 /// A datapath that cannot be printed: different modules of one name.
-pub fn files(datapath: &Datapath, banner: &[String]) -> Result<Vec<(PathBuf, String)>, Error> {
+pub fn files(datapath: &Datapath, banner: &[String]) -> Result<Files, Error> {
     let top = datapath.top();
     let job = Field::of(top, Direction::Input);
     let outcome = Field::of(top, Direction::Output);

@@ -7,4 +7,5 @@ mod operations;
 mod package;
 mod parameters;
 mod staging;
+mod tables;
 mod text;

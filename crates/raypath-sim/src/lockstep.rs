@@ -3,7 +3,7 @@
 mod regression;
 mod side_by_side;
 
-pub use regression::{FailedCheck, RegressionChecks};
+pub use regression::{CONFIGS, FailedCheck, RegressionChecks};
 
 pub use side_by_side::{Difference, SideBySide};
 

@@ -1,5 +1,6 @@
-//! The linters that emitted SystemVerilog must pass without any message: Verilator, Yosys and slang.
+//! The linters that emitted SystemVerilog must pass without any message: Verilator, Yosys, slang and Icarus Verilog.
 
+use crate::four_state::ICARUS;
 use crate::program::python;
 use crate::verilator::VERILATOR;
 use crate::yosys::YOSYS;
@@ -75,6 +76,16 @@ pub fn lint_slang(files: &[PathBuf]) -> Result<(), ToolError> {
         }
         Err(other) => Err(other),
     }
+}
+
+/// Compiles a file with Icarus Verilog. Version 11 reads no types of packages: the file is one of words only
+/// ([`plain`](raypath_hdl::text::plain)).
+///
+/// # Errors
+/// Icarus Verilog is missing, or reports anything.
+pub fn lint_icarus(file: &Path, top: &str) -> Result<(), ToolError> {
+    let mut command = Command::new("iverilog");
+    expect_silence(&ICARUS, ICARUS.output(command.args(["-g2012", "-t", "null", "-s", top]).arg(file))?)
 }
 
 fn expect_silence(program: &'static Program, output: String) -> Result<(), ToolError> {

@@ -8,39 +8,14 @@ mod trial;
 mod units;
 
 use mutant::{Mutant, MutantResult, Subject, choose, subjects};
-use raypath_float::Format;
 use raypath_hdl::mutate::replace;
-use raypath_rtl::{Config, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing};
+pub use raypath_sim::lockstep::CONFIGS;
 use raypath_tools::{ToolError, pool};
 use raypath_verify::{Error, Level, Request, Verdict};
 use report::Report;
 use std::path::Path;
 use std::sync::Arc;
 use trial::Trial;
-
-/// The configurations whose modules get faults: the default, and small ones with the modules that it lacks, so that
-/// each format, control, sharing, latency and encoding has its share.
-/// `tests/configurations.rs` runs as many jobs on them as mutation does.
-pub const CONFIGS: [Config; 10] = [
-    Config::DEFAULT,
-    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit),
-    Config::DEFAULT.lanes(Lanes::Two).unit_latency(UnitLatency::Two),
-    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).unit_latency(UnitLatency::Two),
-    Config::DEFAULT.lanes(Lanes::Two).interval(Interval::Four),
-    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).interval(Interval::Two),
-    Config::DEFAULT
-        .lanes(Lanes::None)
-        .control(Control::Credit)
-        .unit_latency(UnitLatency::Three)
-        .multiplier(Multiplier::Inferred),
-    Config::DEFAULT.lanes(Lanes::None).format(Format::BINARY16).sharing(Sharing::Segregated),
-    Config::DEFAULT.lanes(Lanes::None).format(Format::TF32).control(Control::Credit).registers(Encoding::Ieee),
-    Config::DEFAULT
-        .lanes(Lanes::Two)
-        .format(Format::BFLOAT16)
-        .unit_latency(UnitLatency::Three)
-        .units(UnitSharing::Disjoint),
-];
 
 /// The file with the result of each mutant.
 const LIST: &str = "build/verify/mutants.txt";

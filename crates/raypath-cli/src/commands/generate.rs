@@ -8,6 +8,7 @@ use clap::Args;
 use raypath_hdl::verilog;
 use raypath_model::Shape;
 use raypath_oracle::Checks;
+use raypath_rtl::package::Prefix;
 use raypath_rtl::report::tables;
 use raypath_rtl::{Datapath, package};
 use raypath_sim::OperationId;
@@ -23,6 +24,9 @@ pub struct Arguments {
     /// The folder to write to
     #[arg(long, default_value = "build")]
     out: PathBuf,
+    /// What the names of all modules, packages and files begin with, for several datapaths in one design
+    #[arg(long, value_name = "NAME", default_value = "raypath")]
+    prefix: Prefix,
     /// The number of random jobs for the check of the netlist
     #[arg(long, default_value_t = 10_000, value_parser = whole(1..=u32::MAX))]
     jobs: u32,
@@ -52,7 +56,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let specs = &arguments.datapath.specs;
     let jobs = arguments.jobs.min(MAX_CHECKED_JOBS) as usize;
     let checks = Checks { datapath: &whole, netlist: &datapath, specs, seed: arguments.seed, jobs };
-    let mut files = in_folder(&arguments.out, package::design(&datapath, config, &name)?);
+    let prefix = &arguments.prefix;
+    let mut files = in_folder(&arguments.out, prefix.rename(package::design(&datapath, config, &name)?));
     files.extend(checks.files(&arguments.out));
     write_all(&files)?;
 
@@ -62,10 +67,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     writeln!(out, "{}\n", tables::units_and_registers(&datapath, config))?;
     let folder = arguments.out.display();
     let modules = verilog::sources(datapath.top(), &[])?.len();
-    writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/raypath.f, and all of them to")?;
-    writeln!(out, "{folder}/raypath.sv; assertions for simulators to {folder}/raypath_properties.sv; a wrapper whose")?;
-    writeln!(out, "ports are structures to {folder}/rtl/raypath_wrapper.sv; {folder}/raypath.core (FuseSoC) and")?;
-    writeln!(out, "{folder}/Bender.yml; a picture of the pipeline to {folder}/pipeline.svg.\n")?;
+    writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/{prefix}.f, and all of them to")?;
+    writeln!(out, "{folder}/{prefix}.sv, and without structures to {folder}/{prefix}_plain.sv; assertions for")?;
+    writeln!(out, "simulators to {folder}/{prefix}_properties.sv; a wrapper whose ports are structures to")?;
+    writeln!(out, "{folder}/rtl/{prefix}_wrapper.sv; {folder}/{prefix}.core (FuseSoC) and {folder}/Bender.yml; a")?;
+    writeln!(out, "picture of the pipeline to {folder}/pipeline.svg.\n")?;
     for spec in specs {
         writeln!(
             out,

@@ -84,7 +84,7 @@ impl<'m> Labels<'m> {
         }
         let numbers = numbers
             .into_iter()
-            .map(|(name, value)| [String::from("localparam int unsigned"), name.to_string(), format!("= {value};")]);
+            .map(|(name, value)| [String::from("localparam logic [31:0]"), name.to_string(), format!("= {value};")]);
         let row = |&(width, value, name): &(u32, u64, &str)| {
             let value = match formula(value, name) {
                 Some(formula) => format!("{width}'({})", formula.text()),

@@ -1,7 +1,7 @@
 module raypath_ram_1r1w #(
-  parameter  int unsigned Depth        = 2,
-  parameter  int unsigned Width        = 1,
-  localparam int unsigned AddressWidth = $clog2(Depth)
+  parameter  logic [31:0] Depth        = 2,
+  parameter  logic [31:0] Width        = 1,
+  localparam logic [31:0] AddressWidth = $clog2(Depth)
 ) (
   input  logic                    clk_i,
   input  logic                    write_enable_i,

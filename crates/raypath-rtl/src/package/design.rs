@@ -1,18 +1,16 @@
 //! All files of a design: SystemVerilog, assertions, a picture, and the files for integration.
 
+use super::Files;
 use super::manifest::Sources;
 use crate::report::picture;
 use crate::{Config, Datapath};
-use raypath_hdl::{Error, Module, verilog};
-use std::path::PathBuf;
+use raypath_hdl::{Error, Module, text, verilog};
 use std::sync::Arc;
 
-/// The files of a design, each with its path in the output folder.
-type Files = Vec<(PathBuf, String)>;
-
-/// All files of a datapath, each with its path in the output folder: each module in `rtl/`, listed in `raypath.f`, and
-/// all of them in `raypath.sv`; `raypath_properties.sv`; `pipeline.svg`; and the files for integration
-/// ([`files`](super::files)). `description` says what the datapath is, in the comment at the head of each file.
+/// All files of a datapath: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`; the same
+/// without package and structures in `raypath_plain.sv`; `raypath_properties.sv`; `pipeline.svg`; and the files for
+/// integration ([`files`](super::files)). `description` says what the datapath is, in the comment at the head of each
+/// file.
 ///
 /// # Errors
 /// A datapath that cannot be printed: different modules of one name.
@@ -21,6 +19,7 @@ pub fn design(datapath: &Datapath, config: Config, description: &str) -> Result<
     let Printed { mut files, names, all } = Printed::of(datapath.top(), banner)?;
     files.push(("raypath.f".into(), list(&names)));
     files.push(("raypath.sv".into(), all));
+    files.push(("raypath_plain.sv".into(), plain(datapath.top(), banner)?));
     files.push(("raypath_properties.sv".into(), checkers(&datapath.properties().to_string(), "raypath.sv", banner)));
     files.push(("pipeline.svg".into(), picture::pipeline(datapath, config)));
     files.extend(super::files(datapath, banner)?);
@@ -42,9 +41,9 @@ pub struct Wrapped<'a> {
     pub description: &'a str,
 }
 
-/// All files of a design around a datapath, each with its path in the output folder: each module in `rtl/`, listed in
-/// `<top>.f`, with the wrapper in `<wrapper>.f`; all modules but the wrapper in `<top>.sv`; the assertions in
-/// `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`.
+/// All files of a design around a datapath: each module in `rtl/`, listed in `<top>.f`, with the wrapper in
+/// `<wrapper>.f`; all modules but the wrapper in `<top>.sv`, and the same without package and structures in
+/// `<top>_plain.sv`; the assertions in `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`.
 ///
 /// # Errors
 /// A design that cannot be printed: different modules of one name.
@@ -58,6 +57,7 @@ pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
     files.push((checks.into(), checkers(properties, &all_file, banner)));
     files.push((format!("{name}.f").into(), list(&names)));
     files.push((all_file.into(), all));
+    files.push((format!("{name}_plain.sv").into(), plain(top, banner)?));
     let wrapper = vec![format!("rtl/{wrapper_name}.sv")];
     let sources = Sources { name, description: purpose, modules: names, wrapper_name, wrapper, properties: checks };
     files.push((format!("{wrapper_name}.f").into(), sources.list()));
@@ -95,6 +95,11 @@ impl Printed {
         }
         Ok(Self { files, names, all })
     }
+}
+
+/// All modules in one text of words only, for tools that do not read types of packages.
+fn plain(top: &Arc<Module>, banner: &[String]) -> Result<String, Error> {
+    Ok(Printed::of(&text::plain(top), banner)?.all)
 }
 
 /// A list of files for `-f`.

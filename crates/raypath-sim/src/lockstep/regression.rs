@@ -10,7 +10,31 @@ use raypath_float::Format;
 use raypath_hdl::Probe;
 use raypath_model::{WordModel, Words};
 use raypath_ops::{JobKind, Port, PortKind, Rounding};
-use raypath_rtl::{Config, Encoding};
+use raypath_rtl::{Config, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing};
+
+/// The configurations whose modules get faults in `raypath verify mutation`: the default, and small ones with the modules
+/// that it lacks, so that each format, control, sharing, latency and encoding has its share. The tests of configurations
+/// run [`RegressionChecks::THOROUGH`] jobs on each.
+pub const CONFIGS: [Config; 10] = [
+    Config::DEFAULT,
+    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit),
+    Config::DEFAULT.lanes(Lanes::Two).unit_latency(UnitLatency::Two),
+    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).unit_latency(UnitLatency::Two),
+    Config::DEFAULT.lanes(Lanes::Two).interval(Interval::Four),
+    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).interval(Interval::Two),
+    Config::DEFAULT
+        .lanes(Lanes::None)
+        .control(Control::Credit)
+        .unit_latency(UnitLatency::Three)
+        .multiplier(Multiplier::Inferred),
+    Config::DEFAULT.lanes(Lanes::None).format(Format::BINARY16).sharing(Sharing::Segregated),
+    Config::DEFAULT.lanes(Lanes::None).format(Format::TF32).control(Control::Credit).registers(Encoding::Ieee),
+    Config::DEFAULT
+        .lanes(Lanes::Two)
+        .format(Format::BFLOAT16)
+        .unit_latency(UnitLatency::Three)
+        .units(UnitSharing::Disjoint),
+];
 
 /// The regression checks of a configuration, reproducible by `seed`.
 #[derive(Debug, Clone, Copy)]

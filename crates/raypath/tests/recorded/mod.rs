@@ -1,15 +1,15 @@
 //! Reads the golden vectors for the tests: the quarter in the repository, or the whole set in the folder that
 //! `RAYPATH_GOLDEN` names.
 
-use raypath::ops::JobKind;
-use raypath::rtl::Config;
-use raypath::sim::Datapath;
-use raypath::sim::transactions::{Transaction, merge, read};
+use raypath_ops::JobKind;
+use raypath_rtl::Config;
+use raypath_sim::Datapath;
+use raypath_sim::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
 
 /// All golden vectors as one stream.
 pub fn golden() -> Vec<Transaction> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden");
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../raypath/tests/data/golden");
     let folder = std::env::var_os("RAYPATH_GOLDEN").map_or(PathBuf::from(default), PathBuf::from);
     // Rules and sums do not affect the reading.
     let model = Datapath::paper(Config::DEFAULT).model();

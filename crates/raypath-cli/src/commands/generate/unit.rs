@@ -7,6 +7,7 @@ use comfy_table::{ContentArrangement, Table};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
+use raypath_rtl::package::Prefix;
 use raypath_sim::files::{in_folder, write_all};
 use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
 use raypath_traversal::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
@@ -27,23 +28,28 @@ const SHOWN: usize = 5;
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.datapath.config()?;
     let unit = UnitNetlist::new(config, arguments.unit_parameters.parameters())?;
-    write_all(&in_folder(&arguments.out, unit.files()?))?;
+    let prefix = &arguments.prefix;
+    write_all(&in_folder(&arguments.out, prefix.rename(unit.files()?)))?;
 
     writeln!(out, "raypath {VERSION}: {}\n", unit.description())?;
-    writeln!(out, "Ports of raypath_unit\n\n{}\n", ports(&unit.top))?;
+    writeln!(out, "Ports of {prefix}_unit\n\n{}\n", ports(&unit.top))?;
     let bits = unit.top.memory_bits();
-    writeln!(out, "Memories: instances of raypath_ram_1r1w, {bits} bits\n\n{}\n", memories(&unit.top))?;
+    writeln!(out, "Memories: instances of {prefix}_ram_1r1w, {bits} bits\n\n{}\n", memories(&unit.top))?;
     let (all, datapath) = (unit.top.register_bits(), unit.datapath.top().register_bits());
     let control = all - datapath;
-    writeln!(out, "Flip-flops: {control} around the datapath, {datapath} in it\n\n{}\n", parts(&unit.top))?;
+    writeln!(out, "Flip-flops: {control} around the datapath, {datapath} in it\n\n{}\n", parts(&unit.top, prefix))?;
     let folder = arguments.out.display();
     let modules = raypath_hdl::verilog::sources(&unit.axi()?, &[])?.len();
-    writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/raypath_unit.f, with the AXI4 wrapper")?;
-    writeln!(out, "raypath_unit_axi in {folder}/raypath_unit_axi.f; all but the wrapper to {folder}/raypath_unit.sv;")?;
     writeln!(
         out,
-        "assertions to {folder}/raypath_properties.sv; for FuseSoC and Bender: {folder}/raypath_unit.core and"
+        "Wrote {modules} modules to {folder}/rtl, listed in {folder}/{prefix}_unit.f, with the AXI4 wrapper"
     )?;
+    writeln!(
+        out,
+        "{prefix}_unit_axi in {folder}/{prefix}_unit_axi.f; all but the wrapper to {folder}/{prefix}_unit.sv,"
+    )?;
+    writeln!(out, "and without structures to {folder}/{prefix}_unit_plain.sv; assertions to")?;
+    writeln!(out, "{folder}/{prefix}_properties.sv; for FuseSoC and Bender: {folder}/{prefix}_unit.core and")?;
     writeln!(out, "{folder}/Bender.yml.\n")?;
     check(&unit, arguments, out)
 }
@@ -102,19 +108,20 @@ fn memories(top: &Module) -> Table {
 }
 
 /// The flip-flops of the parts of the unit, and the bits of their memories.
-fn parts(top: &Module) -> Table {
+fn parts(top: &Module, prefix: &Prefix) -> Table {
     let mut table = table(["part", "module", "flip-flops", "bits of memories"]);
     for instance in top.instances() {
         let module = &instance.module;
         let (flip_flops, bits) = (module.register_bits().to_string(), module.memory_bits().to_string());
-        table.add_row([&instance.name, module.name(), &flip_flops, &bits]);
+        table.add_row([&instance.name, &prefix.name(module.name()), &flip_flops, &bits]);
     }
+    let name = prefix.name(top.name());
     let own: u64 = top.instances().iter().map(|instance| instance.module.memory_bits()).sum();
     let rest = top.memory_bits() - own;
     if rest > 0 {
-        table.add_row(["", top.name(), "", &rest.to_string()]);
+        table.add_row(["", &name, "", &rest.to_string()]);
     }
-    table.add_row(["all", top.name(), &top.register_bits().to_string(), &top.memory_bits().to_string()]);
+    table.add_row(["all", &name, &top.register_bits().to_string(), &top.memory_bits().to_string()]);
     table
 }
 

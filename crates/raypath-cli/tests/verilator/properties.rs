@@ -1,6 +1,6 @@
 //! The assertions of `generate` in Verilator: they hold in the design, and fail in a design with a fault.
 
-use raypath::rtl::{Config, Datapath, Lanes};
+use raypath_rtl::{Config, Datapath, Lanes};
 use raypath_tools::{Options, Sources, ToolError, Verilated};
 
 /// Runs 500 cycles with stalls and bubbles and arbitrary data. `fault` replaces a text in `raypath_skid`.

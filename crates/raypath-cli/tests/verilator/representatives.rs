@@ -1,8 +1,8 @@
 //! Configurations that together contain every value of every parameter.
 
-use raypath::float::Format;
-use raypath::ops::{BoxBits, Rounding, Rules};
-use raypath::rtl::{
+use raypath_float::Format;
+use raypath_ops::{BoxBits, Rounding, Rules};
+use raypath_rtl::{
     Config, Control, Encoding, Interval, Lanes, Multiplier, PARAMETER_GROUPS, Sharing, UnitLatency, UnitSharing,
 };
 

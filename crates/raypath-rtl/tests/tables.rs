@@ -1,9 +1,9 @@
 //! Units and registers of a datapath, compared with the paper's tables.
 
-use raypath::ops::Rules;
-use raypath::rtl::report::picture::pipeline;
-use raypath::rtl::report::tables::{difference, schedule, units_and_registers};
-use raypath::rtl::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, Units};
+use raypath_ops::Rules;
+use raypath_rtl::report::picture::pipeline;
+use raypath_rtl::report::tables::{difference, schedule, units_and_registers};
+use raypath_rtl::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, Units};
 
 const DEFAULT: Config = Config::DEFAULT;
 

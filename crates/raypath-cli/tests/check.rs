@@ -1,14 +1,13 @@
 //! The comparison of `generate`: it finds no difference in a correct netlist, and finds deliberate faults.
 
-use raypath::float::Format;
-use raypath::model::{Model, WordModel, Words};
-use raypath::ops::{JobKind, Rules};
-use raypath::rtl::{Config, Datapath, Encoding};
-use raypath::sim;
-use raypath::sim::engine::{Engine, NetlistEngine};
-use raypath::sim::jobs::random;
-use raypath::sim::lockstep::lockstep;
-use raypath::sim::traffic::{Cycle, Traffic};
+use raypath_float::Format;
+use raypath_model::{Model, WordModel, Words};
+use raypath_ops::{JobKind, Rules};
+use raypath_rtl::{Config, Datapath, Encoding};
+use raypath_sim::engine::{Engine, NetlistEngine};
+use raypath_sim::jobs::random;
+use raypath_sim::lockstep::lockstep;
+use raypath_sim::traffic::{Cycle, Traffic};
 
 const JOBS: usize = 2000;
 
@@ -17,7 +16,7 @@ fn netlist(rules: Rules) -> NetlistEngine {
 }
 
 fn model(rules: Rules) -> WordModel {
-    sim::Datapath::paper(Config::DEFAULT.rules(rules)).model()
+    raypath_sim::Datapath::paper(Config::DEFAULT.rules(rules)).model()
 }
 
 fn jobs() -> impl Iterator<Item = Words> {

@@ -1,10 +1,10 @@
 //! Operand isolation: with clock gates, the operands of adders and multipliers that a job does not use are zeros.
 
-use raypath::ops::JobKind;
-use raypath::rtl::Config;
-use raypath::sim::Datapath;
-use raypath::sim::engine::{Engine, NetlistEngine};
-use raypath::sim::jobs::random;
+use raypath_ops::JobKind;
+use raypath_rtl::Config;
+use raypath_sim::Datapath;
+use raypath_sim::engine::{Engine, NetlistEngine};
+use raypath_sim::jobs::random;
 
 /// Cycles after which only jobs of the stream are in the pipeline.
 const FILLED: usize = 20;

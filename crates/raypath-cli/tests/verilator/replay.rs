@@ -3,15 +3,14 @@
 use crate::recorded::golden;
 use crate::verilator::representatives::REPRESENTATIVES;
 use rayon::prelude::*;
-use raypath::hdl::Module;
-use raypath::model::Words;
-use raypath::ops::Rules;
-use raypath::rtl::{Config, Datapath, Lanes};
-use raypath::sim;
-use raypath::sim::engine::{PortEncoding, shape};
-use raypath::sim::frames::{Answers, Cycle, Stimulus};
-use raypath::sim::jobs::random;
-use raypath::sim::traffic::{Traffic, interleave};
+use raypath_hdl::Module;
+use raypath_model::Words;
+use raypath_ops::Rules;
+use raypath_rtl::{Config, Datapath, Lanes};
+use raypath_sim::engine::{PortEncoding, shape};
+use raypath_sim::frames::{Answers, Cycle, Stimulus};
+use raypath_sim::jobs::random;
+use raypath_sim::traffic::{Traffic, interleave};
 use raypath_tools::{Options, Sources, Verilated};
 
 /// A datapath in Verilator, with the assertions of its control bound.
@@ -72,7 +71,7 @@ fn golden_vectors() {
     let jobs: Vec<Words> = recorded[..100].iter().map(|transaction| transaction.job.clone()).collect();
     let mut outcomes: Vec<Words> = recorded[..100].iter().map(|transaction| transaction.expected.clone()).collect();
     let wrong: Vec<u64> = outcomes[60].as_words().iter().map(|word| word ^ 1).collect();
-    outcomes[60] = sim::Datapath::paper(config).model().outcome_of_words(outcomes[60].kind(), &wrong);
+    outcomes[60] = raypath_sim::Datapath::paper(config).model().outcome_of_words(outcomes[60].kind(), &wrong);
     assert_eq!(faults_of(&jobs, &outcomes, Traffic::always()), 1);
 }
 
@@ -93,7 +92,7 @@ fn random_jobs_and_resets_in_the_other_representatives() {
 
 fn random_campaign(config: Config) {
     let (_folder, datapath, verilated) = build(config);
-    let model = sim::Datapath::paper(config).model();
+    let model = raypath_sim::Datapath::paper(config).model();
     let jobs: Vec<Words> = random(&model, config.semantics.format, 21, config.kinds()).take(10_000).collect();
     for seed in 0..2 {
         let stimulus = Stimulus {
