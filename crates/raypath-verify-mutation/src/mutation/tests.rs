@@ -1,8 +1,9 @@
 use super::symbolic::{Effect, effect};
 use super::*;
+use raypath_float::Format;
 use raypath_hdl::Builder;
 use raypath_hdl::mutate::{Fault, without_text};
-use raypath_rtl::Datapath;
+use raypath_rtl::{Config, Control, Datapath, Interval, Lanes};
 use raypath_verify::equivalence::Equivalence;
 use raypath_verify_datapath::dataflow::still_computes;
 use std::time::Duration;
