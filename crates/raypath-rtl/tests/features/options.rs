@@ -195,29 +195,11 @@ fn configurations_name_their_features() {
 }
 
 #[test]
-fn what_cannot_be_had_is_refused() {
-    let refused = |features, rules| {
-        let config = SMALL.features(features).rules(rules);
-        let error = Datapath::new(config).expect_err("a feature that cannot be had");
-        assert_eq!(config.check(), Err(error.clone()));
-        error.to_string()
-    };
-    let tag = refused(Features { tag: 33, ..Features::OFF }, Rules::Paper);
-    assert_eq!(tag, "tag: 33 bits, expected 1 to 32, or 0 for none");
-    let conservative = refused(Features { conservative: true, ..Features::OFF }, Rules::Chisel);
-    assert_eq!(
-        conservative,
-        "conservative: not available with rules chisel, which miss touched boxes; expected rules paper"
-    );
-    let quantised = Features { quantised_boxes: true, ..Features::OFF };
-    for (features, rules, found) in [
-        (quantised, Rules::Chisel, "rules chisel"),
-        (Features { conservative: true, ..quantised }, Rules::Paper, "conservative"),
-    ] {
-        let said = refused(features, rules);
-        let expected = "which is about boxes of numbers; expected rules paper";
-        assert_eq!(said, format!("quantised boxes: not available with {found}, {expected}"));
-    }
+fn a_tag_that_is_too_wide_or_has_the_port_of_another_is_refused() {
+    let config = SMALL.tag(33);
+    let error = Datapath::new(config).expect_err("a wide tag");
+    assert_eq!(config.check(), Err(error.clone()));
+    assert_eq!(error.to_string(), "tag: 33 bits, expected 1 to 32, or 0 for none");
     let operations = Operations::new().with(&Tagged, 0).expect("an operation").tag(4);
     assert!(matches!(Datapath::of(operations), Err(Error::Feature { feature: "tag", .. })));
 }
