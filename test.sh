@@ -106,7 +106,7 @@ step 'Verification'
 
 if [ "$level" = full ]; then
   step 'Fuzzing'
-  fuzz/run.sh --whole 260
+  fuzz/run.sh 260
   step 'Licences'
   command -v cargo-deny >/dev/null || cargo install cargo-deny --locked
   cargo deny check bans licenses sources

@@ -2,7 +2,6 @@
 
 #![no_main]
 
-#[cfg(feature = "c_interface")]
 #[path = "../../crates/raypath-capi/tests/hostile/calls.rs"]
 mod calls;
 
@@ -19,7 +18,6 @@ fuzz_target!(|bytes: &[u8]| {
 /// The function of the target.
 fn target() -> fn(&[u8]) -> bool {
     let name = std::env::var("RAYPATH_FUZZ").unwrap_or_default();
-    #[cfg(feature = "c_interface")]
     if name == "c_interface" {
         return calls::calls;
     }

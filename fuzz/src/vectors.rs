@@ -1,5 +1,6 @@
 //! Readers of vectors and of true neighbours. They take the path of a file, whose extension selects the format.
 
+use crate::meshes::LIMIT;
 use raypath_search::{Dataset, Vectors, read_neighbours, read_vectors, write_fvecs};
 use std::io::Write;
 use tempfile::{Builder, TempPath};
@@ -21,8 +22,8 @@ pub fn npy(bytes: &[u8]) -> bool {
 
 pub fn hdf5(bytes: &[u8]) -> bool {
     let Some(file) = file("hdf5", bytes) else { return false };
-    let whole = Dataset::read(&file, None, None);
-    let own_base = read_vectors(&file);
+    let whole = Dataset::read(&file, None, None, LIMIT);
+    let own_base = read_vectors(&file, LIMIT);
     if let (Ok(dataset), Ok(base)) = (&whole, &own_base) {
         assert_eq!((&dataset.base, dataset.base.dimensions()), (base, dataset.queries.dimensions()));
     }
@@ -31,7 +32,7 @@ pub fn hdf5(bytes: &[u8]) -> bool {
 
 fn vectors(extension: &str, bytes: &[u8]) -> bool {
     let Some(file) = file(extension, bytes) else { return false };
-    read_vectors(&file).is_ok_and(|vectors| is_written_alike(&vectors))
+    read_vectors(&file, LIMIT).is_ok_and(|vectors| is_written_alike(&vectors))
 }
 
 /// Vectors are the same after they were written.
@@ -40,14 +41,14 @@ fn is_written_alike(vectors: &Vectors) -> bool {
     // Writing to memory cannot fail.
     let _ = write_fvecs(vectors, &mut bytes);
     if let Some(again) = file("fvecs", &bytes) {
-        assert_eq!(read_vectors(&again).as_ref(), Ok(vectors));
+        assert_eq!(read_vectors(&again, LIMIT).as_ref(), Ok(vectors));
     }
     true
 }
 
 fn neighbours(extension: &str, bytes: &[u8]) -> bool {
     let Some(file) = file(extension, bytes) else { return false };
-    let Ok(neighbours) = read_neighbours(&file, BASE) else { return false };
+    let Ok(neighbours) = read_neighbours(&file, BASE, LIMIT) else { return false };
     let rows: Vec<&[u32]> = neighbours.rows().collect();
     assert_eq!(rows.len(), neighbours.queries());
     let is_valid = |row: &&[u32]| row.len() == neighbours.count() && row.iter().all(|&index| (index as usize) < BASE);

@@ -86,4 +86,28 @@ macro_rules! unusable {
 unusable!(InputError, FileError, raypath_hdl::Error, raypath_traversal::UnitError);
 
 #[cfg(feature = "full")]
-unusable!(raypath_hdl::wave::WaveError);
+unusable!(
+    raypath_hdl::wave::WaveError,
+    raypath_search::SearchError,
+    raypath_search::TimingError,
+    raypath_timing::SimulationError
+);
+
+/// Errors of rays: those that the traversal unit ends with an error are a wrong result, the others name what is
+/// unusable.
+#[cfg(feature = "full")]
+macro_rules! of_rays {
+    ($($error:ident),*) => {$(
+        impl From<raypath_render::$error> for CliError {
+            fn from(error: raypath_render::$error) -> Self {
+                match error {
+                    raypath_render::$error::Unit(errors) => Self::Mismatch(errors.to_string()),
+                    other => Self::unusable(other),
+                }
+            }
+        }
+    )*};
+}
+
+#[cfg(feature = "full")]
+of_rays!(TraceError, RenderError, PictureError);

@@ -6,7 +6,7 @@ use crate::placement::Placement;
 use raypath_ops::{Aabb, Binary32, Ray};
 use raypath_traversal::blocks::quantised::BoxError;
 use raypath_traversal::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBlock, NodeKind};
-use raypath_traversal::{RayRequest, UnitFeatures};
+use raypath_traversal::{LEVELS, RayRequest, UnitFeatures};
 use thiserror::Error;
 
 /// A scene in memory: the blocks of [`raypath_traversal::blocks`] from address 0 on. The nodes come first, the root at 0.
@@ -26,6 +26,12 @@ pub enum BlocksError {
     TooLarge {
         /// The bytes of the scene.
         bytes: u64,
+    },
+    /// The unit does not read trees of so many levels.
+    #[error("the tree of the scene is {levels} levels deep, expected at most {LEVELS}, which the unit reads")]
+    TooDeep {
+        /// The levels of nodes and instances.
+        levels: u32,
     },
     /// A box has no quantised bounds.
     #[error("the box of triangle {triangle} cannot be quantised: {problem}")]
@@ -47,8 +53,9 @@ impl Blocks {
     /// The blocks of a tree, with these nodes.
     ///
     /// # Errors
-    /// They take more than 4 GiB, or a box has no quantised bounds.
+    /// They take more than 4 GiB, the tree has more than 64 levels, or a box has no quantised bounds.
     pub fn of(bvh: &Bvh4, kind: NodeKind) -> Result<Self, BlocksError> {
+        check_levels(bvh.levels())?;
         let block_bytes = kind.block_bytes();
         let leaves = bvh.nodes().iter().flat_map(children).filter_map(|child| match child.target() {
             Target::Leaf { count, .. } => Some(u64::from(kind.leaf_blocks(count))),
@@ -93,9 +100,9 @@ impl Blocks {
     /// The blocks of instances of an object, each with its padded box in the scene.
     ///
     /// # Errors
-    /// They take more than 4 GiB.
+    /// They take more than 4 GiB, or the tree has more than 64 levels.
     pub(crate) fn with_instances(object: &Bvh4, placed: &[(Placement, Bounds, f64)]) -> Result<Self, BlocksError> {
-        let mut blocks = Self::of(object, NodeKind::Wide4)?;
+        let (mut blocks, levels) = (Self::of(object, NodeKind::Wide4)?, object.levels() + 1);
         // A node for at least two children, so that there are fewer than instances.
         let bytes = blocks.bytes.len() as u64 + 2 * placed.len() as u64 * u64::from(BLOCK_BYTES);
         if bytes > u64::from(u32::MAX) {
@@ -107,9 +114,11 @@ impl Blocks {
             let word = Child::Instance { address: blocks.bytes.len() as u32 }.word(NodeKind::Wide4).unwrap_or(0);
             blocks.bytes.extend(placement.instance(object, index).to_bytes());
             let centre = bounds.centre();
-            parts.push(Part { word, centre, aabb: padded(*bounds, *pad) });
+            parts.push(Part { word, centre, aabb: padded(*bounds, *pad), levels });
         }
-        blocks.root = blocks.upper(&mut parts).word;
+        let top = blocks.upper(&mut parts);
+        check_levels(top.levels)?;
+        blocks.root = top.word;
         blocks.features.instances = true;
         Ok(blocks)
     }
@@ -133,7 +142,8 @@ impl Blocks {
         let word = Child::Node { address: self.bytes.len() as u32 }.word(NodeKind::Wide4).unwrap_or(0);
         self.bytes.extend(NodeBlock { boxes, children: words }.to_bytes());
         let all = children.iter().fold(Bounds::EMPTY, |all, child| all.union(bounds_of(&child.aabb)));
-        Part { word, centre: all.centre(), aabb: Aabb::new(all.min, all.max) }
+        let levels = 1 + children.iter().map(|child| child.levels).max().unwrap_or(0);
+        Part { word, centre: all.centre(), aabb: Aabb::new(all.min, all.max), levels }
     }
 
     /// What a unit needs beside the default for this scene.
@@ -193,6 +203,12 @@ struct Part {
     word: u32,
     centre: [f32; 3],
     aabb: Aabb<Binary32>,
+    /// The levels of nodes and instances, with those below.
+    levels: u32,
+}
+
+fn check_levels(levels: u32) -> Result<(), BlocksError> {
+    if levels > LEVELS { Err(BlocksError::TooDeep { levels }) } else { Ok(()) }
 }
 
 /// Parts on either side along the axis on which their centres differ the most.

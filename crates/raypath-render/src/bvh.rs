@@ -46,6 +46,7 @@ pub struct Bvh4 {
     /// The mesh index of each of `triangles`.
     indices: Vec<u32>,
     stack: usize,
+    levels: u32,
     reach: f32,
 }
 
@@ -111,6 +112,10 @@ impl Bvh4 {
     /// The maximum number of triangles, 2²⁸.
     pub const MAX_TRIANGLES: usize = 1 << Reference::SLOT_BITS;
 
+    /// The maximum number of levels of nodes. The unit reads 64 levels: those of the object, one of an instance, and at
+    /// most 13 above the instances that fit into 4 GiB.
+    pub const MAX_LEVELS: u32 = 48;
+
     /// Builds the tree of a mesh for ray origins that are, along each axis, at most `reach` from every vertex.
     ///
     /// # Errors
@@ -120,9 +125,15 @@ impl Bvh4 {
         if triangles > Self::MAX_TRIANGLES {
             return Err(MeshTooLarge { triangles });
         }
-        let mut tree = Collapse::new(mesh, reach);
-        tree.run(&binary_tree(mesh));
-        Ok(tree.bvh)
+        Ok(Self::within(mesh, reach, Self::MAX_LEVELS))
+    }
+
+    /// The tree of a mesh with at most `levels` levels, which must be enough for a balanced tree.
+    fn within(mesh: &Mesh, reach: f32, levels: u32) -> Self {
+        let tree = binary_tree(mesh);
+        let mut collapse = Collapse::new(mesh, &tree, reach, levels);
+        collapse.run();
+        collapse.bvh
     }
 
     /// The nodes; the root is the first.
@@ -148,6 +159,11 @@ impl Bvh4 {
         self.stack
     }
 
+    /// The number of levels of nodes, from 1 to [`MAX_LEVELS`](Self::MAX_LEVELS).
+    pub fn levels(&self) -> u32 {
+        self.levels
+    }
+
     /// The reach for which the tree was built.
     pub fn reach(&self) -> f32 {
         self.reach
@@ -167,8 +183,18 @@ pub(crate) fn peer_triangles(mesh: &Mesh) -> Vec<PeerTriangle> {
 }
 
 /// The conversion of a binary tree to one with four children per node.
+///
+/// Triangles in the same place make binary trees as deep as a list, because every division of them looks alike. So the
+/// binary tree is followed only where the levels that are left suffice for a balanced tree of the triangles of each
+/// child. Elsewhere the triangles are divided by their position in the list.
 struct Collapse<'m> {
     mesh: &'m Mesh,
+    tree: &'m Bvh2,
+    /// The number of triangles below each node of the binary tree.
+    counts: Vec<u32>,
+    /// The triangles in the order of the binary tree, then those of its parts that are divided by position.
+    order: Vec<u32>,
+    max_levels: u32,
     pad: f64,
     bvh: Bvh4,
 }
@@ -178,50 +204,64 @@ struct Collapse<'m> {
 enum Subtree {
     /// An inner node of the binary tree.
     Inner(u32),
-    /// A range of its list of triangles.
+    /// A range of the list of triangles.
     Range { first: u32, count: u32 },
 }
 
 struct Task {
     node: usize,
     part: Subtree,
+    /// The number of nodes above.
+    level: u32,
     /// The stack entries that may be in use when a ray reaches the node.
     stacked: usize,
 }
 
 impl<'m> Collapse<'m> {
-    fn new(mesh: &'m Mesh, reach: f32) -> Self {
+    fn new(mesh: &'m Mesh, tree: &'m Bvh2, reach: f32, max_levels: u32) -> Self {
         let pad = 12.0 * f64::from(f32::EPSILON / 2.0) * f64::from(reach);
-        let (nodes, triangles, indices) = (Vec::new(), Vec::new(), Vec::new());
-        Self { mesh, pad, bvh: Bvh4 { nodes, triangles, indices, stack: 0, reach } }
+        let bvh = Bvh4 { nodes: Vec::new(), triangles: Vec::new(), indices: Vec::new(), stack: 0, levels: 0, reach };
+        let mut counts = vec![0; tree.nodes.len()];
+        for &node in nodes_below(tree, 0).iter().rev() {
+            let data = &tree.nodes[node as usize];
+            let first = data.first_index as usize;
+            counts[node as usize] = if data.is_leaf() { data.prim_count } else { counts[first] + counts[first + 1] };
+        }
+        Self { mesh, tree, counts, order: tree.primitive_indices.clone(), max_levels, pad, bvh }
     }
 
-    fn run(&mut self, tree: &Bvh2) {
+    fn run(&mut self) {
         self.bvh.nodes.push(Node::empty());
-        let mut tasks = vec![Task { node: 0, part: part(tree, 0), stacked: 0 }];
-        while let Some(Task { node, part, stacked }) = tasks.pop() {
-            let parts = split(tree, part);
+        let mut tasks = vec![Task { node: 0, part: self.part(0), level: 0, stacked: 0 }];
+        while let Some(Task { node, part, level, stacked }) = tasks.pop() {
+            let mut parts = self.split(part);
+            let left = self.max_levels - level - 1;
+            if parts.iter().any(|part| self.least_levels(*part) > left) {
+                let listed = self.listed(part);
+                parts = self.split(listed);
+            }
             let stacked = stacked + parts.len() - 1;
             self.bvh.stack = self.bvh.stack.max(stacked + 1);
+            self.bvh.levels = self.bvh.levels.max(level + 1);
             for (child, part) in parts.into_iter().enumerate() {
                 let reference = match part {
-                    Subtree::Range { first, count } if count <= Reference::MAX_IN_LEAF => self.leaf(tree, first, count),
+                    Subtree::Range { first, count } if count <= Reference::MAX_IN_LEAF => self.leaf(first, count),
                     _ => {
                         let node = self.bvh.nodes.len();
                         self.bvh.nodes.push(Node::empty());
-                        tasks.push(Task { node, part, stacked });
+                        tasks.push(Task { node, part, level: level + 1, stacked });
                         Reference(node as u32)
                     }
                 };
                 self.bvh.nodes[node].children[child] = reference;
-                self.bvh.nodes[node].boxes[child] = padded(self.bounds(tree, part), self.pad);
+                self.bvh.nodes[node].boxes[child] = padded(self.bounds(part), self.pad);
             }
         }
     }
 
-    fn leaf(&mut self, tree: &Bvh2, first: u32, count: u32) -> Reference {
+    fn leaf(&mut self, first: u32, count: u32) -> Reference {
         let slot = self.bvh.triangles.len() as u32;
-        for &index in range(tree, first, count) {
+        for &index in &self.order[first as usize..(first + count) as usize] {
             let [a, b, c] = self.mesh.corners(index);
             self.bvh.triangles.push(Triangle::new(a, b, c));
             self.bvh.indices.push(index);
@@ -229,71 +269,108 @@ impl<'m> Collapse<'m> {
         Reference::leaf(slot, count)
     }
 
-    fn bounds(&self, tree: &Bvh2, part: Subtree) -> Bounds {
+    fn bounds(&self, part: Subtree) -> Bounds {
         match part {
             // obvhs selects coordinates and does not compute them, so its boxes are exact.
             Subtree::Inner(node) => {
-                let aabb = tree.nodes[node as usize].aabb();
+                let aabb = self.tree.nodes[node as usize].aabb();
                 Bounds { min: aabb.min.into(), max: aabb.max.into() }
             }
             Subtree::Range { first, count } => {
-                let corners = range(tree, first, count).iter().flat_map(|&index| self.mesh.corners(index));
-                corners.fold(Bounds::EMPTY, Bounds::with)
+                let range = &self.order[first as usize..(first + count) as usize];
+                range.iter().flat_map(|&index| self.mesh.corners(index)).fold(Bounds::EMPTY, Bounds::with)
             }
         }
     }
+
+    fn part(&self, node: u32) -> Subtree {
+        let data = &self.tree.nodes[node as usize];
+        if data.is_leaf() {
+            Subtree::Range { first: data.first_index, count: data.prim_count }
+        } else {
+            Subtree::Inner(node)
+        }
+    }
+
+    /// The triangles of a part as a range.
+    fn listed(&mut self, part: Subtree) -> Subtree {
+        let Subtree::Inner(node) = part else { return part };
+        let first = self.order.len() as u32;
+        for node in nodes_below(self.tree, node) {
+            if let Subtree::Range { first, count } = self.part(node) {
+                self.order.extend_from_within(first as usize..(first + count) as usize);
+            }
+        }
+        Subtree::Range { first, count: self.counts[node as usize] }
+    }
+
+    /// The levels of nodes that a part needs at least: those of a balanced tree, and of an inner node one.
+    fn least_levels(&self, part: Subtree) -> u32 {
+        match part {
+            Subtree::Inner(node) => balanced_levels(self.counts[node as usize]).max(1),
+            Subtree::Range { count, .. } => balanced_levels(count),
+        }
+    }
+
+    /// Splits a part into up to four, by repeatedly splitting the one with the greatest surface, which rays hit most
+    /// often.
+    fn split(&self, part: Subtree) -> Vec<Subtree> {
+        let mut parts = vec![part];
+        while parts.len() < 4 {
+            let divisible = parts.iter().enumerate().filter_map(|(index, part)| Some((index, self.size(*part)?)));
+            let Some((index, _)) = divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) else { break };
+            let halves = self.halves(parts.swap_remove(index));
+            parts.extend(halves);
+        }
+        parts
+    }
+
+    /// The size of a divisible part, for comparison with others of its kind: the surface, or the number of triangles.
+    /// `None` for a leaf.
+    fn size(&self, part: Subtree) -> Option<f32> {
+        match part {
+            Subtree::Inner(node) => Some(self.tree.nodes[node as usize].aabb().half_area()),
+            Subtree::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some(count as f32),
+        }
+    }
+
+    fn halves(&self, inner: Subtree) -> [Subtree; 2] {
+        match inner {
+            Subtree::Inner(node) => {
+                let first = self.tree.nodes[node as usize].first_index;
+                [self.part(first), self.part(first + 1)]
+            }
+            Subtree::Range { first, count } => {
+                let half = count / 2;
+                [Subtree::Range { first, count: half }, Subtree::Range { first: first + half, count: count - half }]
+            }
+        }
+    }
+}
+
+/// The nodes of a binary tree from one downwards, each after its parent.
+fn nodes_below(tree: &Bvh2, node: u32) -> Vec<u32> {
+    let mut nodes = vec![node];
+    let mut next = 0;
+    while let Some(&node) = nodes.get(next) {
+        let data = &tree.nodes[node as usize];
+        if !data.is_leaf() {
+            nodes.extend([data.first_index, data.first_index + 1]);
+        }
+        next += 1;
+    }
+    nodes
+}
+
+/// The levels of nodes above the leaves of a balanced tree of this many triangles.
+fn balanced_levels(triangles: u32) -> u32 {
+    if triangles <= Reference::MAX_IN_LEAF { 0 } else { 1 + balanced_levels(triangles.div_ceil(4)) }
 }
 
 impl Node {
     fn empty() -> Self {
         let never_hit = Aabb::new(Bounds::EMPTY.min, Bounds::EMPTY.max);
         Self { boxes: [never_hit; 4], children: [Reference::ROOT; 4] }
-    }
-}
-
-fn part(tree: &Bvh2, node: u32) -> Subtree {
-    let data = &tree.nodes[node as usize];
-    if data.is_leaf() {
-        Subtree::Range { first: data.first_index, count: data.prim_count }
-    } else {
-        Subtree::Inner(node)
-    }
-}
-
-fn range(tree: &Bvh2, first: u32, count: u32) -> &[u32] {
-    &tree.primitive_indices[first as usize..(first + count) as usize]
-}
-
-/// Splits a part into up to four, by repeatedly splitting the one with the greatest surface, which rays hit most often.
-fn split(tree: &Bvh2, part: Subtree) -> Vec<Subtree> {
-    let mut parts = vec![part];
-    while parts.len() < 4 {
-        let divisible = parts.iter().enumerate().filter_map(|(index, part)| Some((index, surface(tree, *part)?)));
-        let Some((index, _)) = divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) else { break };
-        let halves = halves(tree, parts.swap_remove(index));
-        parts.extend(halves);
-    }
-    parts
-}
-
-/// The surface of a divisible part, for comparison; `None` for a leaf.
-fn surface(tree: &Bvh2, part: Subtree) -> Option<f32> {
-    match part {
-        Subtree::Inner(node) => Some(tree.nodes[node as usize].aabb().half_area()),
-        Subtree::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some(f32::INFINITY),
-    }
-}
-
-fn halves(tree: &Bvh2, inner: Subtree) -> [Subtree; 2] {
-    match inner {
-        Subtree::Inner(node) => {
-            let first = tree.nodes[node as usize].first_index;
-            [part(tree, first), part(tree, first + 1)]
-        }
-        Subtree::Range { first, count } => {
-            let half = count / 2;
-            [Subtree::Range { first, count: half }, Subtree::Range { first: first + half, count: count - half }]
-        }
     }
 }
 
@@ -307,4 +384,27 @@ pub(crate) fn padded(bounds: Bounds, pad: f64) -> Aabb<Binary32> {
     let min = bounds.min.map(below);
     let max = bounds.max.map(|bound| -below(-bound));
     Aabb::new(min, max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blocks::{Blocks, BlocksError};
+    use raypath_traversal::blocks::NodeKind;
+
+    /// A deeper tree than those of [`Bvh4::build`], as the binary tree of triangles in one place is, has no blocks.
+    #[test]
+    fn a_tree_that_is_too_deep_for_the_unit_is_refused() {
+        let corners = vec![[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+        let mesh = Mesh::new(corners, vec![[0, 1, 2]; 5000]).expect("a mesh");
+        let deep = Bvh4::within(&mesh, 16.0, u32::MAX);
+        let levels = deep.levels();
+        assert!(levels > 64, "{levels} levels");
+        assert_eq!(Blocks::of(&deep, NodeKind::Wide4), Err(BlocksError::TooDeep { levels }));
+        for max in [7, 20, Bvh4::MAX_LEVELS] {
+            let tree = Bvh4::within(&mesh, 16.0, max);
+            assert!(tree.levels() <= max, "{} levels, expected at most {max}", tree.levels());
+            assert!(Blocks::of(&tree, NodeKind::Wide4).is_ok());
+        }
+    }
 }

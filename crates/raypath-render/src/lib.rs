@@ -38,4 +38,6 @@ pub use timing::{
     PictureError, PictureSpec, RayBatch, UnitSystem, picture_jobs, sweep_picture, sweep_rays, time_picture,
     time_picture_through_unit, time_rays, time_rays_through_unit,
 };
-pub use trace::{Counts, Goal, Hit, Stopped, Tracer, Tracing, Traversal, trace_any, trace_closest};
+pub use trace::{
+    Counts, Goal, Hit, Stopped, TraceError, Tracer, Tracing, Traversal, UnitErrors, trace_any, trace_closest,
+};

@@ -7,6 +7,7 @@
 use crate::mesh::{Bounds, Mesh};
 use crate::read::{ReadError, parse_lines, text};
 use crate::vector::{Vector, add, cross, dot, scale, vector};
+use raypath_tools::MemoryLimit;
 use raypath_traversal::Instance;
 use std::path::Path;
 use thiserror::Error;
@@ -127,9 +128,10 @@ impl Placement {
 /// Reads a file of instances.
 ///
 /// # Errors
-/// A file that cannot be read, no instance, or a line that is not a matrix with an inverse.
-pub fn read_instances(path: &Path) -> Result<Vec<Placement>, ReadError> {
-    parse_instances(&text(path)?, path)
+/// A file that cannot be read, no instance, or a line that is not a matrix with an inverse; lines that take more memory
+/// than `limit`, 1024 bytes each with their part of the tree.
+pub fn read_instances(path: &Path, limit: MemoryLimit) -> Result<Vec<Placement>, ReadError> {
+    parse_instances(&text(path, limit, 1024)?, path)
 }
 
 /// Reads instances from text. `path` appears in messages.

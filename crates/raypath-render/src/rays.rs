@@ -12,6 +12,7 @@
 use crate::read::{parse_lines, text};
 use crate::{Hit, ReadError};
 use raypath_ops::{Binary32, Ray};
+use raypath_tools::MemoryLimit;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -20,9 +21,10 @@ const FIELDS: [&str; 7] = ["ox", "oy", "oz", "dx", "dy", "dz", "extent"];
 /// Reads a file of rays.
 ///
 /// # Errors
-/// A file that cannot be read, or a line that is not a valid ray.
-pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, ReadError> {
-    parse_rays(&text(path)?, path)
+/// A file that cannot be read, or a line that is not a valid ray; lines that take more memory than `limit`, 256 bytes
+/// each.
+pub fn read_rays(path: &Path, limit: MemoryLimit) -> Result<Vec<Ray<Binary32>>, ReadError> {
+    parse_rays(&text(path, limit, 256)?, path)
 }
 
 /// Reads rays from text. `path` appears in messages.
@@ -65,9 +67,9 @@ pub fn write_rays(mut writer: impl Write, rays: &[Ray<Binary32>]) -> io::Result<
 /// Reads a file of hits. Only the bits of the numbers are read, not the decimals.
 ///
 /// # Errors
-/// A file that cannot be read, or a line that is not a hit.
-pub fn read_hits(path: &Path) -> Result<Vec<Option<Hit>>, ReadError> {
-    parse_hits(&text(path)?, path)
+/// A file that cannot be read, or a line that is not a hit; lines that take more memory than `limit`, 64 bytes each.
+pub fn read_hits(path: &Path, limit: MemoryLimit) -> Result<Vec<Option<Hit>>, ReadError> {
+    parse_hits(&text(path, limit, 64)?, path)
 }
 
 /// Reads hits from text, as [`read_hits`] does. `path` appears in messages.

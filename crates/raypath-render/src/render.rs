@@ -5,7 +5,7 @@ mod pixel;
 
 pub(crate) use pixel::{PictureSampler, PixelSampler, SampleRay};
 
-use crate::{Camera, Counts, Hit, Picture, Scene, Stopped, Tracer, Tracing, heatmap};
+use crate::{Camera, Counts, Hit, Picture, Scene, Stopped, Tracer, Tracing, UnitErrors, heatmap};
 use rayon::prelude::*;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, ProgressCounter};
@@ -115,6 +115,9 @@ pub enum RenderError {
     /// A primary ray of the camera is invalid.
     #[error("the camera: {0}")]
     Camera(#[from] RayError),
+    /// The traversal unit ended rays with an error.
+    #[error(transparent)]
+    Unit(#[from] UnitErrors),
     /// The progress callback returned false.
     #[error(transparent)]
     Stopped(#[from] Stopped),
@@ -129,7 +132,8 @@ pub const MAX_SIDE: u32 = 1 << 16;
 /// datapath. The picture does not depend on the number of threads. `progress` gets the number of completed pixels.
 ///
 /// # Errors
-/// A size or a number of samples out of range, and [`Stopped`] if `progress` returned false.
+/// A size or a number of samples out of range; rays that the traversal unit ended with an error; `progress` returned
+/// false.
 pub fn render(
     scene: &Scene,
     camera: &Camera,
@@ -181,10 +185,11 @@ pub fn render_rows(
         Ok::<_, RayError>(costs)
     });
     let sums = |a: [Costs; 3], b: [Costs; 3]| Ok(std::array::from_fn(|kind| a[kind].and(b[kind])));
-    let costs = rows.try_reduce(Default::default, sums)?;
+    let costs: [Costs; 3] = rows.try_reduce(Default::default, sums)?;
     if progress.is_stopped() {
         return Err(Stopped.into());
     }
+    costs.iter().fold(UnitErrors::default(), |all, costs| all.and(costs.counts.errors)).check()?;
     let (colours, jobs) = pixels.into_iter().map(|pixel| (pixel.colour, pixel.jobs)).unzip();
     Ok(Rows { colours, jobs, costs })
 }

@@ -8,7 +8,7 @@ mod sequence;
 mod unit;
 
 use crate::render::PictureSampler;
-use crate::{Camera, Hit, Picture, RenderError, Scene, Shading, Tracing};
+use crate::{Camera, Hit, Picture, RenderError, Scene, Shading, Tracing, UnitErrors};
 use image::Rgb;
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::{Binary32, Job, Ray, Rules};
@@ -64,6 +64,9 @@ pub enum PictureError {
         /// Those of the unit.
         unit: NodeKind,
     },
+    /// The unit ended rays with an error.
+    #[error(transparent)]
+    Unit(#[from] UnitErrors),
     /// The progress callback stopped the simulation of the unit.
     #[error("stopped")]
     Stopped,

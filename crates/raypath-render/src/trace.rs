@@ -7,6 +7,7 @@ pub use tracer::{Tracer, trace_any, trace_closest};
 pub use traversal::Traversal;
 
 use raypath_ops::Rules;
+use raypath_traversal::state::status;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign};
 use thiserror::Error;
@@ -60,12 +61,57 @@ pub struct Counts {
     pub nodes: u64,
     /// Fetches of leaves.
     pub leaves: u64,
+    /// Rays that the traversal unit ended with an error.
+    pub errors: UnitErrors,
+}
+
+/// Rays that the traversal unit ended with an error, by status: what they hit is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Error)]
+#[error(
+    "what {} rays hit is not known: the traversal unit ended {failed} with status 3 (an instance makes the direction \
+     too short to invert, or the ray visits more than 2^24 nodes or triangles) and refused {refused} with status 2",
+    failed + refused
+)]
+pub struct UnitErrors {
+    /// Status 2: the direction cannot be inverted, or a value is not finite.
+    pub refused: u64,
+    /// Status 3: an instance makes the direction too short to invert, the memory reported an error, or the scene is not
+    /// a tree that the unit reads.
+    pub failed: u64,
+}
+
+/// The reason why rays were not traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum TraceError {
+    /// The progress callback returned false.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// The traversal unit ended rays with an error.
+    #[error(transparent)]
+    Unit(#[from] UnitErrors),
 }
 
 /// The error of work that its progress callback stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("stopped")]
 pub struct Stopped;
+
+impl UnitErrors {
+    /// The error of a ray that ends with this status, if it is one.
+    pub(crate) fn of(status: u32) -> Self {
+        Self { refused: (status == status::REFUSED).into(), failed: (status == status::ERROR).into() }
+    }
+
+    /// These and others.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self { refused: self.refused + other.refused, failed: self.failed + other.failed }
+    }
+
+    /// An error if there are any.
+    pub(crate) fn check(self) -> Result<(), Self> {
+        if self == Self::default() { Ok(()) } else { Err(self) }
+    }
+}
 
 impl Counts {
     /// The number of all jobs.
@@ -83,6 +129,7 @@ impl Add for Counts {
             behind: self.behind + other.behind,
             nodes: self.nodes + other.nodes,
             leaves: self.leaves + other.leaves,
+            errors: self.errors.and(other.errors),
         }
     }
 }

@@ -19,12 +19,13 @@ fn check(mesh: &Mesh) {
     let tree = Bvh4::build(mesh, reach).unwrap();
     let mut visits = vec![0; mesh.triangles().len()];
     let mut nodes = 0;
-    let mut deepest = 0;
-    let mut pending = vec![(Reference::ROOT, [[f32::NEG_INFINITY, f32::INFINITY]; 3], 0)];
-    while let Some((reference, around, kept)) = pending.pop() {
+    let (mut deepest, mut levels) = (0, 0);
+    let mut pending = vec![(Reference::ROOT, [[f32::NEG_INFINITY, f32::INFINITY]; 3], 0, 0)];
+    while let Some((reference, around, kept, level)) = pending.pop() {
         match reference.target() {
             Target::Node(node) => {
                 nodes += 1;
+                levels = levels.max(level + 1);
                 let node = tree.nodes()[node as usize];
                 let mut children = 0;
                 let before = pending.len();
@@ -36,7 +37,7 @@ fn check(mesh: &Mesh) {
                     for axis in 0..3 {
                         assert!(around[axis][0] <= aabb[axis][0] && aabb[axis][1] <= around[axis][1]);
                     }
-                    pending.push((child, aabb, 0));
+                    pending.push((child, aabb, 0, level + 1));
                 }
                 // If all children are hit, all but one are on the stack while that one is opened.
                 deepest = deepest.max(kept + children);
@@ -71,6 +72,8 @@ fn check(mesh: &Mesh) {
     }
     assert!(visits.iter().all(|&count| count == 1));
     assert_eq!(nodes, tree.nodes().len());
+    assert_eq!(levels, tree.levels());
+    assert!(levels <= Bvh4::MAX_LEVELS, "{levels} levels");
     assert_eq!(deepest, tree.stack_size());
 }
 
@@ -167,7 +170,7 @@ fn results_do_not_depend_on_threads_and_the_progress_callback_stops_tracing() {
         pool.install(|| trace_closest(&scene, &rays, Tracing::default(), &|_| true).unwrap())
     };
     assert_eq!(with(1), with(3));
-    assert_eq!(trace_closest(&scene, &rays, Tracing::default(), &|done| done > 100_000), Err(Stopped));
+    assert_eq!(trace_closest(&scene, &rays, Tracing::default(), &|done| done > 100_000), Err(Stopped.into()));
 }
 
 #[test]

@@ -10,12 +10,14 @@ use raypath_ops::{
     Binary32, Culling, Operation, Ray, RayTriangleExtended, RayTriangleExtendedInput, Rounding, Rules, Triangle,
 };
 use raypath_render::{
-    Camera, Goal, Mesh, PictureSpec, RayBatch, Scene, Shading, Tracer, Tracing, UnitSystem, render,
-    time_picture_through_unit, time_rays_through_unit, trace_any, trace_closest,
+    Camera, Goal, Mesh, PictureSpec, RayBatch, Scene, Shading, Tracer, Tracing, UnitErrors, UnitSystem,
+    parse_instances, render, time_picture_through_unit, time_rays_through_unit, trace_any, trace_closest,
 };
 use raypath_timing::Sample;
+use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::system::{CacheParameters, MemoryParameters};
 use raypath_traversal::{RayRequest, StepParameters, Unit, UnitParameters};
+use std::path::Path;
 
 /// Hits of front faces are the same in every bit.
 #[test]
@@ -61,6 +63,57 @@ fn hits_of_both_faces() {
         }
     }
     assert!(behind > 100, "back faces are hit: {behind} times");
+}
+
+/// Triangles in one place, between others or alone: the tree stays within the levels that the unit reads.
+#[test]
+fn coincident_triangles_are_hit() {
+    let tracing = Tracing { two_sided: true, ..Tracing::default() };
+    let [front, behind] = [5.0, -5.0].map(|z: f32| Ray::new([0.25, 0.25, z], [0.0, 0.0, -z.signum()], f32::INFINITY));
+    let rays = [front.unwrap(), behind.unwrap()];
+    for (copies, others) in [(190, 0), (200, 0), (5_000, 0), (3_000, 300)] {
+        let mut positions = vec![[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+        let mut triangles = vec![[0, 1, 2]; copies];
+        for number in 0..others {
+            let first = positions.len() as u32;
+            positions.extend([0.0, 1.0, 2.0].map(|x| [3.0 + x * number as f32, 1.3_f32.powi(number % 90), x]));
+            triangles.push([first, first + 1, first + 2]);
+        }
+        let scene = Scene::new(Mesh::new(positions, triangles).unwrap()).unwrap();
+        for nodes in [NodeKind::Wide4, NodeKind::Quantised] {
+            let scene = scene.clone().through_unit_of(nodes).unwrap();
+            let (hits, _) = trace_closest(&scene, &rays, tracing, &|_| true).unwrap();
+            let hits: Vec<_> = hits.iter().flatten().map(|hit| (hit.triangle, hit.t, hit.from_behind)).collect();
+            assert_eq!(hits, [(0, 4.0, false), (0, 6.0, true)], "{copies} copies, {others} others, {nodes} nodes");
+        }
+    }
+}
+
+/// In the space of an instance that is 2³⁰ times as large as its mesh, the first ray is too short to invert: the unit
+/// ends it with status 3. Nothing shows that as a miss.
+#[test]
+fn rays_that_the_unit_ends_with_an_error_are_errors() {
+    let small = 2.0_f32.powi(-30);
+    let corners = vec![[0.0, 0.0, small], [small, 0.0, small], [0.0, small, small]];
+    let place = parse_instances("1073741824 0 0 0 0 1073741824 0 0 0 0 1073741824 0", Path::new("places")).unwrap();
+    let scene = Scene::of_instances(Mesh::new(corners, vec![[0, 1, 2]]).unwrap(), &place, []).unwrap();
+    let ray = |dz| Ray::new([0.25, 0.25, 5.0], [0.0, 0.0, dz], f32::INFINITY).unwrap();
+    let rays = [ray(-(2.0_f32.powi(-100))), ray(-1.0)];
+    let (errors, tracing) = (UnitErrors { refused: 0, failed: 1 }, Tracing::default());
+    assert_eq!(trace_closest(&scene, &rays, tracing, &|_| true), Err(errors.into()));
+    assert_eq!(trace_any(&scene, &rays, tracing, &|_| true), Err(errors.into()));
+    let (hits, _) = trace_closest(&scene, &rays[1..], tracing, &|_| true).unwrap();
+    assert_eq!(hits[0].map(|hit| (hit.triangle, hit.t, hit.instance)), Some((0, 4.0, Some(0))));
+    let unit = UnitParameters::default();
+    let memory = MemoryParameters { latency: 1, bandwidth: None, cache: None };
+    let system = UnitSystem { shape: Shape::default(), unit, memory, in_flight: 2 };
+    let batch = RayBatch { scene: &scene, rays: &rays, tracing };
+    assert_eq!(time_rays_through_unit(&batch, Sample::ALL, &system, &|_| true).err(), Some(errors.into()));
+    // A camera whose rays are as short.
+    let camera = Camera::framing_instances(scene.mesh(), &place, 1.0);
+    let picture = render(&scene, &camera, (4, 4), &Shading::default(), &|_| true);
+    assert!(picture.is_ok(), "rays of a camera are long enough");
+    assert!(errors.to_string().starts_with("what 1 rays hit is not known: the traversal unit ended 1 with status 3"));
 }
 
 /// The closest triangle, and its distance, among the jobs of all triangles.

@@ -5,6 +5,7 @@ mod npy;
 mod texmex;
 
 use crate::{Metric, Neighbours, Vectors};
+use raypath_tools::MemoryLimit;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 pub use texmex::{write_fvecs, write_ivecs};
@@ -31,15 +32,21 @@ impl Dataset {
     ///
     /// # Errors
     /// A file that cannot be read or has wrong content ([`FileError`]); queries of another dimension than the base;
-    /// truth for another number of queries.
-    pub fn read(base: &Path, queries: Option<&Path>, truth: Option<&Path>) -> Result<Self, FileError> {
+    /// truth for another number of queries; a list of vectors or neighbours that takes more memory than `limit`, as in
+    /// [`read_vectors`].
+    pub fn read(
+        base: &Path,
+        queries: Option<&Path>,
+        truth: Option<&Path>,
+        limit: MemoryLimit,
+    ) -> Result<Self, FileError> {
         let mut dataset = if extension(base) == "hdf5" {
-            hdf5::dataset(base, queries.is_none(), queries.is_none() && truth.is_none())?
+            hdf5::dataset(base, queries.is_none(), queries.is_none() && truth.is_none(), limit)?
         } else {
-            hdf5::Parts { base: read_vectors(base)?, queries: None, truth: None, distances: None, metric: None }
+            hdf5::Parts { base: read_vectors(base, limit)?, queries: None, truth: None, distances: None, metric: None }
         };
         if let Some(queries) = queries {
-            dataset.queries = Some(read_vectors(queries)?);
+            dataset.queries = Some(read_vectors(queries, limit)?);
         }
         let Some(own_queries) = dataset.queries else {
             let expected = "a file of queries, or an .hdf5 file";
@@ -51,7 +58,7 @@ impl Dataset {
             return Err(FileError::content(file, "dimensions of the queries", own_queries.dimensions(), expected));
         }
         if let Some(truth) = truth {
-            dataset.truth = Some(read_neighbours(truth, dataset.base.len())?);
+            dataset.truth = Some(read_neighbours(truth, dataset.base.len(), limit)?);
         }
         if let Some(neighbours) = &dataset.truth
             && neighbours.queries() != own_queries.len()
@@ -69,14 +76,15 @@ impl Dataset {
 /// other types are rounded to binary32.
 ///
 /// # Errors
-/// A file that cannot be read, or whose content is not a list of vectors of one dimension with finite coordinates.
-pub fn read_vectors(file: &Path) -> Result<Vectors, FileError> {
+/// A file that cannot be read, or whose content is not a list of vectors of one dimension with finite coordinates;
+/// vectors that take more memory than `limit`: 8 bytes for a coordinate as stored and as searched, and 512 for a vector.
+pub fn read_vectors(file: &Path, limit: MemoryLimit) -> Result<Vectors, FileError> {
     let (dimensions, data) = match extension(file).as_str() {
-        "fvecs" => texmex::read(file, f32::from_le_bytes)?,
-        "bvecs" => texmex::read(file, |[byte]: [u8; 1]| f32::from(byte))?,
-        "ivecs" => texmex::read(file, |bytes| i32::from_le_bytes(bytes) as f32)?,
-        "npy" => npy::vectors(file)?,
-        "hdf5" => return Ok(hdf5::dataset(file, false, false)?.base),
+        "fvecs" => texmex::read(file, limit, f32::from_le_bytes)?,
+        "bvecs" => texmex::read(file, limit, |[byte]: [u8; 1]| f32::from(byte))?,
+        "ivecs" => texmex::read(file, limit, |bytes| i32::from_le_bytes(bytes) as f32)?,
+        "npy" => npy::vectors(file, limit)?,
+        "hdf5" => return Ok(hdf5::dataset(file, false, false, limit)?.base),
         other => return Err(unknown(file, other, "fvecs, bvecs, ivecs, npy or hdf5")),
     };
     Vectors::new(dimensions, data).map_err(FileError::of(file))
@@ -85,15 +93,23 @@ pub fn read_vectors(file: &Path) -> Result<Vectors, FileError> {
 /// Reads true neighbours in a base of `base` vectors from `.ivecs`, `.npy`, or from `neighbors` of an `.hdf5` file.
 ///
 /// # Errors
-/// A file that cannot be read, or whose content is not indices of the base with the same number in each row.
-pub fn read_neighbours(file: &Path, base: usize) -> Result<Neighbours, FileError> {
+/// A file that cannot be read, or whose content is not indices of the base with the same number in each row; more than
+/// `limit` as in [`read_vectors`].
+pub fn read_neighbours(file: &Path, base: usize, limit: MemoryLimit) -> Result<Neighbours, FileError> {
     let (count, indices) = match extension(file).as_str() {
-        "ivecs" => texmex::read(file, |bytes| i64::from(i32::from_le_bytes(bytes)))?,
-        "npy" => npy::indices(file)?,
-        "hdf5" => hdf5::neighbours(file)?,
+        "ivecs" => texmex::read(file, limit, |bytes| i64::from(i32::from_le_bytes(bytes)))?,
+        "npy" => npy::indices(file, limit)?,
+        "hdf5" => hdf5::neighbours(file, limit)?,
         other => return Err(unknown(file, other, "ivecs, npy or hdf5")),
     };
     neighbours(file, count, &indices, base)
+}
+
+/// Checks the memory of vectors or neighbours: of each coordinate the two numbers that are read and searched, and of
+/// each vector up to 64 masked coordinates for SIMD, twice.
+fn check(file: &Path, rows: u64, columns: u64, limit: MemoryLimit) -> Result<(), FileError> {
+    let each = columns.saturating_add(64).saturating_mul(8);
+    limit.check(rows, format_args!("vectors of {columns} coordinates"), each).map_err(FileError::of(file))
 }
 
 fn neighbours(file: &Path, count: usize, indices: &[i64], base: usize) -> Result<Neighbours, FileError> {

@@ -3,9 +3,83 @@
 
 use crate::ToolError;
 use flate2::read::MultiGzDecoder;
+use std::fmt::{self, Display};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Result};
 use std::path::Path;
+use std::str::FromStr;
+
+/// The memory that a file may take: its bytes, and what is made of them. Readers check it before they take memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MemoryLimit(u64);
+
+impl MemoryLimit {
+    /// 2 GiB.
+    pub const DEFAULT: Self = Self(2 << 30);
+
+    const UNITS: [(&'static str, u64); 4] = [("GiB", 1 << 30), ("MiB", 1 << 20), ("KiB", 1 << 10), ("", 1)];
+
+    /// A limit of this many bytes.
+    pub const fn of(bytes: u64) -> Self {
+        Self(bytes)
+    }
+
+    /// Checks `count` things, named `what`, that take `each` bytes.
+    ///
+    /// # Errors
+    /// They take more than the limit.
+    pub fn check(self, count: u64, what: impl Display, each: u64) -> std::result::Result<(), String> {
+        match count.checked_mul(each) {
+            Some(bytes) if bytes <= self.0 => Ok(()),
+            _ => Err(format!(
+                "{count} {what} take {} bytes of memory, expected at most {self} (a greater --max-memory allows more)",
+                u128::from(count) * u128::from(each)
+            )),
+        }
+    }
+
+    /// Reads a file whose bytes are within the limit.
+    ///
+    /// # Errors
+    /// It cannot be read, or is larger.
+    pub fn read(self, path: &Path) -> Result<Vec<u8>> {
+        let file = File::open(path)?;
+        let check =
+            |bytes| self.check(bytes, "bytes", 1).map_err(|problem| Error::new(ErrorKind::FileTooLarge, problem));
+        check(file.metadata()?.len())?;
+        let mut bytes = Vec::new();
+        // What is no file has no length.
+        file.take(self.0.saturating_add(1)).read_to_end(&mut bytes)?;
+        check(bytes.len() as u64)?;
+        Ok(bytes)
+    }
+}
+
+impl Default for MemoryLimit {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Display for MemoryLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let fits = |unit: &&(&str, u64)| self.0 >= unit.1 && self.0.is_multiple_of(unit.1);
+        let (name, bytes) = Self::UNITS.iter().find(fits).unwrap_or(&("", 1));
+        write!(f, "{}{name}", self.0 / bytes)
+    }
+}
+
+impl FromStr for MemoryLimit {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let read = |(name, bytes): (&str, u64)| text.strip_suffix(name)?.parse::<u64>().ok()?.checked_mul(bytes);
+        let bytes = Self::UNITS.into_iter().find_map(read);
+        bytes
+            .map(Self)
+            .ok_or_else(|| "expected a number of bytes below 2^64, or one with KiB, MiB or GiB, like 8GiB".to_string())
+    }
+}
 
 /// Reads a file of at most `max` bytes, plain or gzip; of gzip, the unpacked bytes count.
 ///
@@ -86,8 +160,25 @@ mod tests {
     }
 
     #[test]
+    fn limits_are_written_as_they_are_read() {
+        for (text, bytes) in [("2GiB", 2 << 30), ("3MiB", 3 << 20), ("1025", 1025), ("7KiB", 7 << 10), ("0", 0)] {
+            assert_eq!(text.parse(), Ok(MemoryLimit(bytes)));
+            assert_eq!(MemoryLimit(bytes).to_string(), text);
+        }
+        for text in ["", "GiB", "1.5GiB", "-1", "2 GiB", "99999999999GiB", "2GB"] {
+            assert!(text.parse::<MemoryLimit>().is_err(), "{text}");
+        }
+        assert_eq!(MemoryLimit(12).check(3, "items", 4), Ok(()));
+        let problem = MemoryLimit(11).check(3, "items", 4).expect_err("too many");
+        assert!(problem.starts_with("3 items take 12 bytes of memory, expected at most 11 ("), "{problem}");
+        assert!(MemoryLimit::DEFAULT.check(u64::MAX, "items", 4).is_err());
+    }
+
+    #[test]
     fn endless_files_are_refused() {
         if let Ok(zeros) = File::open("/dev/zero") {
+            let problem = MemoryLimit(1 << 20).read(Path::new("/dev/zero")).expect_err("endless");
+            assert!(problem.to_string().starts_with("1048577 bytes"), "{problem}");
             assert_eq!(unpacked(zeros, 1 << 20).expect_err("endless").kind(), ErrorKind::FileTooLarge);
         }
     }

@@ -60,7 +60,7 @@ pub use error::ToolError;
 pub use files::{read, temporary_folder, write};
 pub use four_state::{FourState, KnownWord};
 pub use grouped::grouped;
-pub use input::{plain_or_gzip, read_within, text};
+pub use input::{MemoryLimit, plain_or_gzip, read_within, text};
 pub use lint::{lint_slang, lint_verilator, lint_yosys};
 pub use nextpnr::Nextpnr;
 pub use opensta::OpenSta;

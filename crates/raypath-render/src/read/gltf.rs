@@ -10,17 +10,22 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
 
-/// The maximum number of triangles. Nodes can repeat meshes, so a small file could otherwise exhaust memory.
-const MAX_TRIANGLES: usize = 1 << 26;
+/// The bytes that an object of the JSON takes, such as a node.
+const OBJECT_BYTES: u64 = 512;
 
 /// Parses glTF with the crate `gltf`. Accessors are read here, because those of the crate trust offsets and strides.
-pub(super) fn parse(bytes: &[u8], path: &Path) -> Parsed {
+pub(super) fn parse(bytes: &[u8], path: &Path, raw: RawMesh) -> Parsed {
     check_binary_header(bytes)?;
+    let objects = bytes.iter().filter(|&&byte| byte == b'{').count();
+    raw.limit.check(objects as u64, "objects of JSON", OBJECT_BYTES)?;
     let not_gltf = |problem| format!("not glTF 2: {problem}");
     check_positions(&Gltf::from_slice_without_validation(bytes).map_err(not_gltf)?.document)?;
     let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(not_gltf)?;
+    // Several buffers can name one file.
+    let lengths = document.buffers().map(|buffer| buffer.length() as u64);
+    raw.limit.check(lengths.fold(0, u64::saturating_add), "bytes of buffers", 1)?;
     let buffers = buffers(&document, blob, path)?;
-    let mut scene = SceneMesh { buffers, raw: RawMesh::default() };
+    let mut scene = SceneMesh { buffers, raw };
     let scenes = document.default_scene().or_else(|| document.scenes().next());
     let roots: Vec<Node> = match scenes {
         Some(scene) => scene.nodes().collect(),
@@ -140,8 +145,12 @@ impl SceneMesh {
         if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(());
         }
-        let positions = primitive.get(&Semantic::Positions).ok_or("no POSITION, expected it")?;
-        let positions = self.positions(&positions).map_err(|problem| format!("POSITION: {problem}"))?;
+        let accessor = primitive.get(&Semantic::Positions).ok_or("no POSITION, expected it")?;
+        // Nodes can repeat meshes, so a small file can have many triangles.
+        let corners = primitive.indices().map_or(accessor.count(), |indices| indices.count());
+        let is_list = primitive.mode() == Mode::Triangles;
+        self.raw.check(accessor.count(), if is_list { corners / 3 } else { corners.saturating_sub(2) })?;
+        let positions = self.positions(&accessor).map_err(|problem| format!("POSITION: {problem}"))?;
         let indices = match primitive.indices() {
             Some(indices) => self.indices(&indices).map_err(|problem| format!("indices: {problem}"))?,
             None => (0..positions.len() as u32).collect(),
@@ -150,9 +159,6 @@ impl SceneMesh {
             return Err(format!("index {index}, expected less than {}, the number of vertices", positions.len()));
         }
         let triangles = triangles(primitive.mode(), &indices);
-        if self.raw.triangles.len() + triangles.len() > MAX_TRIANGLES {
-            return Err(format!("more than {MAX_TRIANGLES} triangles, expected no more"));
-        }
         let first = u32::try_from(self.raw.positions.len()).map_err(|_| "more than 2^32 vertices".to_string())?;
         let mirrored = mirrors(matrix);
         self.raw.positions.extend(positions.into_iter().map(|position| transformed(matrix, position)));

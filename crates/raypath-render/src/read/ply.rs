@@ -5,25 +5,28 @@ use std::fmt::Display;
 use std::io::Cursor;
 
 /// Parses PLY with the crate `ply-rs-bw`, after a check of the header.
-pub(super) fn parse(bytes: &[u8]) -> Parsed {
+pub(super) fn parse(bytes: &[u8], mut raw: RawMesh) -> Parsed {
+    // A byte of the file can become an index, or a vertex of another element, of 12 bytes.
+    raw.limit.check(bytes.len() as u64, "bytes of PLY", 12)?;
     let mut reader = Reader::new(Cursor::new(bytes));
     let header = Parser::<Vertex>::new()
         .read_header(&mut reader)
         .map_err(|problem| format!("not PLY: {}", one_line(problem)))?;
     check(&header, bytes.len())?;
-    let mut raw = RawMesh::default();
     for (name, element) in &header.elements {
         let wrong = |problem| format!("element {name}: {}", one_line(problem));
         match name.as_str() {
             "vertex" => {
+                raw.check(element.count, 0)?;
                 let vertices = Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header);
                 raw.positions.extend(vertices.map_err(wrong)?.into_iter().map(|vertex| vertex.0));
             }
             "face" => {
+                raw.check(0, element.count)?;
                 let faces =
                     Parser::<Face>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
                 for (number, face) in faces.iter().enumerate() {
-                    face.fan(&mut raw.triangles).map_err(|problem| format!("face {number}: {problem}"))?;
+                    face.fan(&mut raw).map_err(|problem| format!("face {number}: {problem}"))?;
                 }
             }
             // Another element is read and dropped.
@@ -107,17 +110,8 @@ impl PropertyAccess for Face {
 }
 
 impl Face {
-    /// Appends the triangles of the polygon, as a fan from its first corner.
-    fn fan(&self, triangles: &mut Vec<[u32; 3]>) -> Result<(), String> {
+    fn fan(&self, raw: &mut RawMesh) -> Result<(), String> {
         let index = |&index: &i64| u32::try_from(index).map_err(|_| format!("index {index}, expected 0 or more"));
-        let corners: Vec<u32> = self.0.iter().map(index).collect::<Result<_, _>>()?;
-        let [first, others @ ..] = corners.as_slice() else {
-            return Err("0 corners, expected at least 3".to_string());
-        };
-        if others.len() < 2 {
-            return Err(format!("{} corners, expected at least 3", corners.len()));
-        }
-        triangles.extend(others.windows(2).map(|pair| [*first, pair[0], pair[1]]));
-        Ok(())
+        raw.fan(&self.0.iter().map(index).collect::<Result<Vec<_>, _>>()?)
     }
 }

@@ -3,7 +3,7 @@
 use super::sequence::{RaySequence, SingleRay};
 use super::{PictureError, PictureSpec, RayBatch};
 use crate::render::RenderError;
-use crate::{Blocks, Goal, Hit, Picture};
+use crate::{Blocks, Goal, Hit, Picture, UnitErrors};
 use image::Rgb;
 use raypath_model::Shape;
 use raypath_ops::RayError;
@@ -31,7 +31,8 @@ pub struct UnitSystem {
 /// `progress` gets the number of completed pixels.
 ///
 /// # Errors
-/// The errors of [`render`](crate::render()); a scene that is not in memory; the progress stopped it.
+/// The errors of [`render`](crate::render()); a scene that is not in memory; rays that the unit ended with an error; the
+/// progress stopped it.
 pub fn time_picture_through_unit(
     spec: &PictureSpec,
     sample: Sample,
@@ -55,7 +56,7 @@ pub fn time_picture_through_unit(
 /// `progress` gets the number of completed rays.
 ///
 /// # Errors
-/// A scene that is not in memory, or with other nodes; the progress stopped it.
+/// A scene that is not in memory, or with other nodes; rays that the unit ended with an error; the progress stopped it.
 pub fn time_rays_through_unit(
     batch: &RayBatch,
     sample: Sample,
@@ -93,13 +94,17 @@ fn run<S: RaySequence>(
         done: 0,
         progress,
         error: None,
+        errors: UnitErrors::default(),
     };
     user.places.resize_with(user.free.len(), || None);
     let timing = simulate(&system.shape, parameters, blocks.bytes(), &system.memory, &mut user);
     match user.error {
         Some(error) => Err(RenderError::Camera(error).into()),
         None if timing.is_stopped => Err(PictureError::Stopped),
-        None => Ok((timing, user.results)),
+        None => {
+            user.errors.check()?;
+            Ok((timing, user.results))
+        }
     }
 }
 
@@ -116,6 +121,7 @@ struct Sequences<'p, S: RaySequence, I> {
     done: u64,
     progress: Progress<'p>,
     error: Option<RayError>,
+    errors: UnitErrors,
 }
 
 /// Completed sequences between two calls of the progress.
@@ -153,6 +159,7 @@ impl<S: RaySequence, I: Iterator<Item = (usize, S)>> RayUser for Sequences<'_, S
     }
 
     fn receive(&mut self, number: u64, reply: &Reply) -> bool {
+        self.errors = self.errors.and(UnitErrors::of(reply.status));
         let place = number as usize;
         let Some(sequence) = self.places.get_mut(place).and_then(Option::take) else { return false };
         self.advance(place, sequence, reply.hit.map(Hit::from))

@@ -1,5 +1,5 @@
 use super::traversal::Request;
-use super::{Counts, Goal, Hit, Stopped, Tracing, Traversal};
+use super::{Counts, Goal, Hit, Stopped, TraceError, Tracing, Traversal, UnitErrors};
 use crate::blocks::Blocks;
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -15,26 +15,26 @@ const BATCH: usize = 4096;
 /// does not depend on the number of threads. `progress` gets the number of completed rays.
 ///
 /// # Errors
-/// [`Stopped`] if `progress` returned false.
+/// `progress` returned false, or the traversal unit ended rays with an error.
 pub fn trace_closest(
     scene: &Scene,
     rays: &[Ray<Binary32>],
     tracing: Tracing,
     progress: Progress,
-) -> Result<(Vec<Option<Hit>>, Counts), Stopped> {
+) -> Result<(Vec<Option<Hit>>, Counts), TraceError> {
     trace(scene, rays, tracing, Goal::Closest, progress, |hit| hit)
 }
 
 /// Traces rays as [`trace_closest`] does, but returns only whether each ray hits anything.
 ///
 /// # Errors
-/// [`Stopped`] if `progress` returned false.
+/// `progress` returned false, or the traversal unit ended rays with an error.
 pub fn trace_any(
     scene: &Scene,
     rays: &[Ray<Binary32>],
     tracing: Tracing,
     progress: Progress,
-) -> Result<(Vec<bool>, Counts), Stopped> {
+) -> Result<(Vec<bool>, Counts), TraceError> {
     trace(scene, rays, tracing, Goal::Any, progress, |hit| hit.is_some())
 }
 
@@ -45,10 +45,10 @@ fn trace<T: Copy + Default + Send>(
     goal: Goal,
     progress: Progress,
     result: impl Fn(Option<Hit>) -> T + Sync,
-) -> Result<(Vec<T>, Counts), Stopped> {
+) -> Result<(Vec<T>, Counts), TraceError> {
     let mut results = vec![T::default(); rays.len()];
     let progress = ProgressCounter::new(progress);
-    let counts = results
+    let counts: Counts = results
         .par_chunks_mut(BATCH)
         .zip(rays.par_chunks(BATCH))
         .map(|(results, rays)| {
@@ -65,7 +65,11 @@ fn trace<T: Copy + Default + Send>(
             counts
         })
         .sum();
-    if progress.is_stopped() { Err(Stopped) } else { Ok((results, counts)) }
+    if progress.is_stopped() {
+        return Err(Stopped.into());
+    }
+    counts.errors.check()?;
+    Ok((results, counts))
 }
 
 /// Traces one ray after another in software: through the functional model of the traversal unit if the scene has its
@@ -94,7 +98,8 @@ impl<'s> Tracer<'s> {
         })
     }
 
-    /// Traces a ray and returns its hit: the closest, or with [`Goal::Any`] the first found.
+    /// Traces a ray and returns its hit: the closest, or with [`Goal::Any`] the first found. There is none if the
+    /// traversal unit ends the ray with an error, which [`counts`](Self::counts) has.
     #[inline]
     pub fn trace(&mut self, ray: &Ray<Binary32>, goal: Goal) -> Option<Hit> {
         match &mut self.0 {
@@ -111,8 +116,9 @@ impl<'s> Tracer<'s> {
             Way::Unit { unit, blocks, two_sided, counts } => {
                 let request = blocks.request(ray, goal == Goal::Any, *two_sided);
                 let reply = unit.trace(blocks.bytes(), &request);
+                let errors = UnitErrors::of(reply.status);
                 let (nodes, triangles) = (u64::from(reply.nodes), u64::from(reply.triangles));
-                *counts = Counts { quadbox: nodes, nodes, triangle: triangles, ..Counts::default() };
+                *counts = Counts { quadbox: nodes, nodes, triangle: triangles, errors, ..Counts::default() };
                 reply.hit.map(Hit::from)
             }
         }

@@ -1,9 +1,10 @@
 //! HDF5 in the layout of ann-benchmarks: base, queries and truth in one file, as the datasets `train`, `test`,
 //! `neighbors` and `distances` of two axes, with an attribute `distance` that names the metric.
 
-use super::{FileError, neighbours as checked};
+use super::{FileError, check, neighbours as checked};
 use crate::{Metric, Neighbours, Vectors};
 use hdf5_pure::{DType, Dataset, Error, File};
+use raypath_tools::MemoryLimit;
 use std::path::Path;
 
 pub(super) struct Parts {
@@ -15,25 +16,26 @@ pub(super) struct Parts {
 }
 
 /// Reads the base, and on request the queries and the truth.
-pub(super) fn dataset(file: &Path, queries: bool, truth: bool) -> Result<Parts, FileError> {
-    let hdf5 = open(file)?;
-    let base = vectors(file, &hdf5, "train")?;
-    let queries = if queries { Some(vectors(file, &hdf5, "test")?) } else { None };
+pub(super) fn dataset(file: &Path, queries: bool, truth: bool, limit: MemoryLimit) -> Result<Parts, FileError> {
+    let hdf5 = &open(file)?;
+    let vectors = |name: &str| vectors(file, hdf5, name, limit);
+    let base = vectors("train")?;
+    let queries = if queries { Some(vectors("test")?) } else { None };
     let names = hdf5.root().datasets().map_err(|error| wrong(file, "file", &error))?;
     let here = |name: &str| truth && names.iter().any(|there| there == name);
-    let distances = if here("distances") { Some(vectors(file, &hdf5, "distances")?) } else { None };
+    let distances = if here("distances") { Some(vectors("distances")?) } else { None };
     let truth = if here("neighbors") {
-        let (count, indices) = indices(file, &hdf5)?;
+        let (count, indices) = indices(file, hdf5, limit)?;
         Some(checked(file, count, &indices, base.len())?)
     } else {
         None
     };
-    Ok(Parts { base, queries, truth, distances, metric: metric(file, &hdf5)? })
+    Ok(Parts { base, queries, truth, distances, metric: metric(file, hdf5)? })
 }
 
 /// Reads the number of neighbours per query, and all indices.
-pub(super) fn neighbours(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
-    indices(file, &open(file)?)
+pub(super) fn neighbours(file: &Path, limit: MemoryLimit) -> Result<(usize, Vec<i64>), FileError> {
+    indices(file, &open(file)?, limit)
 }
 
 fn open(file: &Path) -> Result<File, FileError> {
@@ -41,22 +43,24 @@ fn open(file: &Path) -> Result<File, FileError> {
     File::open_streaming(file).map_err(|error| wrong(file, "file", &error))
 }
 
-fn vectors(file: &Path, hdf5: &File, name: &str) -> Result<Vectors, FileError> {
-    let (dataset, columns) = table(file, hdf5, name, "numbers", |kind| matches!(kind, DType::F32 | DType::F64))?;
+fn vectors(file: &Path, hdf5: &File, name: &str, limit: MemoryLimit) -> Result<Vectors, FileError> {
+    let is_float = |kind: &DType| matches!(kind, DType::F32 | DType::F64);
+    let (dataset, columns) = table(file, hdf5, name, "numbers", is_float, limit)?;
     let data = dataset.read_f32().map_err(|error| wrong(file, name, &error))?;
     Vectors::new(columns, data).map_err(FileError::of(file))
 }
 
-fn indices(file: &Path, hdf5: &File) -> Result<(usize, Vec<i64>), FileError> {
+fn indices(file: &Path, hdf5: &File, limit: MemoryLimit) -> Result<(usize, Vec<i64>), FileError> {
     let name = "neighbors";
-    let (dataset, columns) = table(file, hdf5, name, "integers", |_| false)?;
+    let (dataset, columns) = table(file, hdf5, name, "integers", |_| false, limit)?;
     Ok((columns, dataset.read_i64().map_err(|error| wrong(file, name, &error))?))
 }
 
 /// The maximum expansion of deflate.
 const INFLATION: u64 = 1032;
 
-/// Opens a dataset of two axes, with integers or another `allowed` type, and checks that its size fits the file.
+/// Opens a dataset of two axes, with integers or another `allowed` type, and checks its size and that of a chunk, which
+/// may be larger, against the file and the limit.
 /// Returns it with its number of columns.
 fn table(
     file: &Path,
@@ -64,6 +68,7 @@ fn table(
     name: &str,
     expected: &str,
     allowed: impl Fn(&DType) -> bool,
+    limit: MemoryLimit,
 ) -> Result<(Dataset, usize), FileError> {
     let fail = |error: Error| wrong(file, name, &error);
     let dataset = hdf5.dataset(name).map_err(fail)?;
@@ -79,6 +84,9 @@ fn table(
     if !(integer || allowed(&kind)) {
         return Err(FileError::content(file, name, format_args!("type {kind}"), expected));
     }
+    check(file, rows, columns, limit)?;
+    let chunk = dataset.chunk_shape().map_err(fail)?.unwrap_or_default();
+    check(file, chunk.iter().fold(1, |size, side| size.saturating_mul(*side)), 1, limit)?;
     let length = std::fs::metadata(file).map_err(FileError::of(file))?.len();
     let capacity = capacity(&dataset, rows, columns, length).map_err(fail)?;
     let size = dataset.element_size().map_err(fail)?;

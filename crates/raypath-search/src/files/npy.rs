@@ -1,14 +1,15 @@
 //! `.npy`: an array of two axes, vectors along the first, in either order and of any numeric type.
 
-use super::FileError;
+use super::{FileError, check};
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
+use raypath_tools::MemoryLimit;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 /// Reads the dimension and all coordinates.
-pub(super) fn vectors(file: &Path) -> Result<(usize, Vec<f32>), FileError> {
-    let array = Array::open(file)?;
+pub(super) fn vectors(file: &Path, limit: MemoryLimit) -> Result<(usize, Vec<f32>), FileError> {
+    let array = Array::open(file, limit)?;
     let coordinates = match array.kind {
         (TypeChar::Float, 4) => array.read(|x: f32| x),
         (TypeChar::Float, 8) => array.read(|x: f64| x as f32),
@@ -18,8 +19,8 @@ pub(super) fn vectors(file: &Path) -> Result<(usize, Vec<f32>), FileError> {
 }
 
 /// Reads the number of neighbours per query, and all indices. An index that exceeds `i64` becomes −1.
-pub(super) fn indices(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
-    Array::open(file)?.integers(|x| x.try_into().unwrap_or(-1), "integers of 1, 2, 4 or 8 bytes")
+pub(super) fn indices(file: &Path, limit: MemoryLimit) -> Result<(usize, Vec<i64>), FileError> {
+    Array::open(file, limit)?.integers(|x| x.try_into().unwrap_or(-1), "integers of 1, 2, 4 or 8 bytes")
 }
 
 /// An array with a validated header.
@@ -32,8 +33,8 @@ struct Array<'f> {
 }
 
 impl<'f> Array<'f> {
-    /// Reads the header and checks it against the length of the file.
-    fn open(file: &'f Path) -> Result<Self, FileError> {
+    /// Reads the header and checks it against the length of the file and the limit.
+    fn open(file: &'f Path, limit: MemoryLimit) -> Result<Self, FileError> {
         let io = FileError::of(file);
         let mut source = BufReader::new(File::open(file).map_err(&io)?);
         let length = source.get_ref().metadata().map_err(&io)?.len();
@@ -56,6 +57,7 @@ impl<'f> Array<'f> {
             let expected = format!("{rows} x {columns} of type {}", dtype.descr());
             return Err(FileError::content(file, "data", format_args!("{data} bytes"), expected));
         }
+        check(file, rows, columns, limit)?;
         let fits = |size: u64| usize::try_from(size).unwrap_or(usize::MAX);
         Ok(Self { file, npy: NpyFile::with_header(header, source), kind, rows: fits(rows), columns: fits(columns) })
     }

@@ -1,8 +1,9 @@
 //! `.fvecs`, `.bvecs` and `.ivecs`: each vector is preceded by its dimension in four bytes, little-endian.
 
-use super::FileError;
+use super::{FileError, check};
 use crate::vectors::MAX_DIMENSIONS;
 use crate::{SearchResults, Vectors};
+use raypath_tools::MemoryLimit;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
@@ -10,6 +11,7 @@ use std::path::Path;
 /// Reads the dimension and all coordinates, of `S` bytes each.
 pub(super) fn read<const S: usize, T>(
     file: &Path,
+    limit: MemoryLimit,
     decode: impl Fn([u8; S]) -> T,
 ) -> Result<(usize, Vec<T>), FileError> {
     let io = FileError::of(file);
@@ -25,7 +27,9 @@ pub(super) fn read<const S: usize, T>(
         .ok_or_else(|| FileError::content(file, "dimension of vector 0", dimensions, &expected))?;
 
     let record = 4 + dimensions * S;
-    let mut data = Vec::with_capacity((length / record as u64) as usize * dimensions);
+    let vectors = length / record as u64;
+    check(file, vectors, dimensions as u64, limit)?;
+    let mut data = Vec::with_capacity(vectors as usize * dimensions);
     let mut bytes = vec![0; dimensions * S];
     for vector in 0.. {
         if vector > 0 {

@@ -1,4 +1,5 @@
 use raypath_search::{Dataset, FileError, Neighbours, Vectors, read_neighbours, read_vectors};
+use raypath_tools::MemoryLimit;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -21,15 +22,15 @@ impl Written {
     }
 
     pub fn vectors(&self) -> Result<Vectors, FileError> {
-        read_vectors(&self.path)
+        read_vectors(&self.path, MemoryLimit::DEFAULT)
     }
 
     pub fn neighbours(&self, base: usize) -> Result<Neighbours, FileError> {
-        read_neighbours(&self.path, base)
+        read_neighbours(&self.path, base, MemoryLimit::DEFAULT)
     }
 
     pub fn dataset(&self) -> Result<Dataset, FileError> {
-        Dataset::read(&self.path, None, None)
+        Dataset::read(&self.path, None, None, MemoryLimit::DEFAULT)
     }
 }
 

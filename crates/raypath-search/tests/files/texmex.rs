@@ -1,5 +1,6 @@
 use super::common::{Written, assert_error, assert_neighbours_error, assert_vectors_error};
 use raypath_search::{Neighbour, SearchResults, Vectors, Work, write_fvecs, write_ivecs};
+use raypath_tools::MemoryLimit;
 
 /// Records with the given dimension fields and content.
 fn records<const S: usize>(rows: &[(i32, Vec<[u8; S]>)]) -> Vec<u8> {
@@ -97,7 +98,7 @@ fn wrong_files() {
     assert_neighbours_error("a.ivecs", &file, 10, &["query 0, neighbour 1", "found index -1"]);
 
     let directory = Written::new("a.fvecs", &[]).directory;
-    let absent = raypath_search::read_vectors(&directory.path().join("absent.fvecs"));
+    let absent = raypath_search::read_vectors(&directory.path().join("absent.fvecs"), MemoryLimit::DEFAULT);
     assert_error("absent.fvecs", absent, &["No such file"]);
 }
 
@@ -112,4 +113,7 @@ fn hostile_files() {
         assert_vectors_error("a.fvecs", &file, &["dimension of vector 1", &found]);
     }
     assert_vectors_error("a.fvecs", &floats(&[(65_536, &[1.0])]), &["found the last 4 bytes", "expected 262144 more"]);
+    let file = Written::new("a.bvecs", &bytes(&[(2, &[0, 255]), (2, &[7, 128])]));
+    let problem = raypath_search::read_vectors(&file.path, MemoryLimit::of(2 * 8 * 66 - 1));
+    assert_error("a.bvecs", problem, &["2 vectors of 2 coordinates take 1056 bytes of memory, expected at most 1055"]);
 }

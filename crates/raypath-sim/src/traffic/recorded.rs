@@ -2,6 +2,7 @@
 
 use crate::InputError;
 use crate::traffic::Cycle;
+use raypath_tools::MemoryLimit;
 use std::path::Path;
 
 const CYCLES_PER_LINE: usize = 80;
@@ -32,10 +33,11 @@ pub fn recorded_text(cycles: &[Cycle]) -> String {
 /// Reads the cycles of a file. White space and lines that begin with `#` are ignored.
 ///
 /// # Errors
-/// A file that cannot be read, or with an unknown letter.
+/// A file that cannot be read, takes more than 2 GiB, or has an unknown letter.
 pub fn read_recorded(path: &Path) -> Result<Vec<Cycle>, InputError> {
-    let text = std::fs::read_to_string(path);
-    parse_recorded(&text.map_err(|problem| InputError::in_file(path, format!("{problem}, expected text")))?, path)
+    let refused = |problem: String| InputError::in_file(path, format!("{problem}, expected text"));
+    let bytes = MemoryLimit::DEFAULT.read(path).map_err(|problem| refused(problem.to_string()))?;
+    parse_recorded(&String::from_utf8(bytes).map_err(|problem| refused(problem.to_string()))?, path)
 }
 
 /// Reads the cycles of a text. `path` appears in messages.

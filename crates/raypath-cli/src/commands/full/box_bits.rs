@@ -1,5 +1,6 @@
 //! `raypath box-bits`: what boxes in fewer bits add to the visits of rays, and what they take off the area.
 
+use crate::commands::full::MemoryArguments;
 use crate::commands::full::measuring::BenchArguments;
 use crate::commands::full::ppa::design;
 use crate::commands::full::visits::{SIZE, scenes, visits};
@@ -28,6 +29,8 @@ pub struct Arguments {
     #[arg(long)]
     area: bool,
     #[command(flatten)]
+    memory: MemoryArguments,
+    #[command(flatten)]
     bench: BenchArguments,
     #[command(flatten)]
     config: ConfigArguments,
@@ -45,7 +48,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
     let all = || (BoxBits::MIN.0..=BoxBits::MAX.0).map(BoxBits).collect();
     let bits: Vec<BoxBits> = if arguments.bits.is_empty() { all() } else { arguments.bits.clone() };
-    let scenes = scenes(&arguments.scenes)?;
+    let scenes = scenes(&arguments.scenes, arguments.memory.limit)?;
     let mut progress = Progress::new("pictures", (bits.len() + 1) * scenes.len());
     let rules: Vec<Rules> = [Rules::Paper].into_iter().chain(bits.iter().copied().map(Rules::Bounds)).collect();
     let mut counts = vec![vec![0; scenes.len()]; rules.len()];

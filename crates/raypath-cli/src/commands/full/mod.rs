@@ -7,6 +7,7 @@ mod division;
 mod explore;
 mod fpga;
 mod measuring;
+mod memory;
 mod ppa;
 mod progress;
 mod render;
@@ -23,6 +24,7 @@ mod wave;
 
 use division::DivisionArguments;
 use measuring::BenchArguments;
+use memory::MemoryArguments;
 use progress::watched;
 use stream::StreamArguments;
 use timed::{Subject, Timed, TimingArguments};

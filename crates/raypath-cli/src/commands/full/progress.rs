@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Runs `work`, which reports from any thread how many of `total` items are done, and shows its progress.
-pub fn watched<T, E: std::fmt::Display>(
+pub fn watched<T, E: Into<CliError>>(
     what: &'static str,
     total: usize,
     work: impl FnOnce(&(dyn Fn(u64) -> bool + Sync)) -> Result<T, E>,
@@ -23,5 +23,5 @@ pub fn watched<T, E: std::fmt::Display>(
     let result = work(&watch);
     let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
     progress.finish(reached.into_inner() as usize)?;
-    result.map_err(CliError::unusable)
+    result.map_err(E::into)
 }

@@ -5,7 +5,7 @@ mod scene;
 mod timing;
 mod unit;
 
-use crate::commands::full::{DivisionArguments, Timed, TimingArguments, write_and_name};
+use crate::commands::full::{DivisionArguments, MemoryArguments, Timed, TimingArguments, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use divided::Divided;
@@ -90,6 +90,8 @@ pub struct Arguments {
     #[command(flatten)]
     unit: UnitTimingArguments,
     #[command(flatten)]
+    memory: MemoryArguments,
+    #[command(flatten)]
     division: DivisionArguments,
     #[command(flatten)]
     config: ConfigArguments,
@@ -104,10 +106,15 @@ enum Through {
 
 impl Through {
     /// The scene, in memory if the unit traces its rays.
-    fn prepared(self, scene: Scene, unit: &UnitTimingArguments) -> Result<Scene, CliError> {
+    fn scene(
+        self,
+        shown: Shown,
+        origins: impl IntoIterator<Item = [f32; 3]>,
+        unit: &UnitTimingArguments,
+    ) -> Result<Scene, CliError> {
         match self {
-            Self::Datapath => Ok(scene),
-            Self::Unit => scene.through_unit_of(unit.nodes()).map_err(CliError::unusable),
+            Self::Datapath => shown.scene(origins),
+            Self::Unit => shown.through_unit(origins, unit.nodes()),
         }
     }
 }
@@ -129,7 +136,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
     match &arguments.rays {
         Some(path) => {
-            let rays = read_rays(path).map_err(CliError::unusable)?;
+            let rays = read_rays(path, arguments.memory.limit).map_err(CliError::unusable)?;
             trace(arguments, config, system, tracing, rays, out)
         }
         None => picture(arguments, config, system, tracing, out),
@@ -146,8 +153,7 @@ fn picture(
     let shown = arguments.shown()?;
     let (width, height) = arguments.size;
     let camera = arguments.camera.camera(&shown, width as f32 / height as f32)?;
-    let scene = shown.scene([camera.eye()])?;
-    let scene = arguments.through.prepared(scene, &arguments.unit)?;
+    let scene = arguments.through.scene(shown, [camera.eye()], &arguments.unit)?;
     scene::describe(arguments.scene.as_deref(), &scene, out)?;
     let shading = Shading {
         tracing,
@@ -187,7 +193,7 @@ fn picture(
 
 /// The picture of hits that were traced elsewhere.
 fn drawn(arguments: &Arguments, hits: &Path, out: &mut dyn Write) -> Result<(), CliError> {
-    let hits = read_hits(hits).map_err(CliError::unusable)?;
+    let hits = read_hits(hits, arguments.memory.limit).map_err(CliError::unusable)?;
     let shown = arguments.shown()?;
     let (width, height) = arguments.size;
     let camera = arguments.camera.camera(&shown, width as f32 / height as f32)?;
@@ -207,8 +213,8 @@ fn trace(
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
     let shown = arguments.shown()?;
-    let scene = shown.scene(rays.iter().map(|ray| ray.origin.into()))?;
-    let scene = arguments.through.prepared(scene, &arguments.unit)?;
+    let origins = rays.iter().map(|ray| ray.origin.into());
+    let scene = arguments.through.scene(shown, origins, &arguments.unit)?;
     let mut divided = Divided::begin(&arguments.division, arguments.work(&scene, config))?;
     let hits = divided.trace(&scene, &rays, tracing)?;
     let seconds = divided.seconds();
@@ -265,7 +271,7 @@ impl Arguments {
         if self.instances.is_some() && self.through == Through::Datapath && self.draw.is_none() {
             return Err(CliError::unusable("--instances is an option of --through unit, and of --draw"));
         }
-        Shown::read(self.scene.as_deref(), self.instances.as_deref())
+        Shown::read(self.scene.as_deref(), self.instances.as_deref(), self.memory.limit)
     }
 
     /// The simulated unit; `None` if the rays do not go through it, or without timing.

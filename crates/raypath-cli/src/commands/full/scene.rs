@@ -2,7 +2,7 @@
 
 use crate::CliError;
 use crate::commands::full::render::Shown;
-use crate::commands::full::write_and_name;
+use crate::commands::full::{MemoryArguments, write_and_name};
 use clap::Args;
 use raypath_traversal::blocks::NodeKind;
 use std::io::Write;
@@ -22,11 +22,13 @@ pub struct Arguments {
     /// The file to write: the blocks of the scene, from address 0 on
     #[arg(long, default_value = "build/scene.bin", value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    memory: MemoryArguments,
 }
 
-pub fn run(Arguments { mesh, node, instances, out: path }: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
-    let scene = Shown::read(mesh.as_deref(), instances.as_deref())?.scene([])?;
-    let scene = scene.through_unit_of(*node).map_err(CliError::unusable)?;
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let Arguments { mesh, node, instances, out: path, memory } = arguments;
+    let scene = Shown::read(mesh.as_deref(), instances.as_deref(), memory.limit)?.through_unit([], *node)?;
     let Some(blocks) = scene.blocks() else { return Ok(()) };
     let (triangles, nodes) = (scene.mesh().triangles().len(), scene.bvh().nodes().len());
     let (count, bytes) = (blocks.len(), blocks.bytes().len());

@@ -3,7 +3,9 @@
 mod saved;
 mod timing;
 
-use crate::commands::full::{DivisionArguments, Timed, TimingArguments, print_rows, watched, write_and_name};
+use crate::commands::full::{
+    DivisionArguments, MemoryArguments, Timed, TimingArguments, print_rows, watched, write_and_name,
+};
 use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
@@ -66,6 +68,8 @@ pub struct Arguments {
     timed: Option<usize>,
     #[command(flatten)]
     timing: TimingArguments,
+    #[command(flatten)]
+    memory: MemoryArguments,
     #[command(flatten)]
     division: DivisionArguments,
     #[command(flatten)]
@@ -180,9 +184,8 @@ impl Arguments {
 
     fn dataset(&self) -> Result<Dataset, CliError> {
         match &self.base {
-            Some(base) => {
-                Dataset::read(base, self.queries.as_deref(), self.truth.as_deref()).map_err(CliError::unusable)
-            }
+            Some(base) => Dataset::read(base, self.queries.as_deref(), self.truth.as_deref(), self.memory.limit)
+                .map_err(CliError::unusable),
             None if self.truth.is_some() => {
                 let problem = "--truth: generated vectors have no file of true neighbours, expected BASE and QUERIES";
                 Err(CliError::unusable(problem))

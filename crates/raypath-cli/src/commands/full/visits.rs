@@ -3,6 +3,7 @@
 use crate::CliError;
 use raypath_ops::Rules;
 use raypath_render::{Camera, Costs, Scene, Shading, Tracing, builtin, read_mesh, render};
+use raypath_tools::MemoryLimit;
 use std::path::PathBuf;
 
 /// The size of the pictures.
@@ -16,11 +17,11 @@ pub struct Shown {
 }
 
 /// The built-in scene, and those of the files.
-pub fn scenes(paths: &[PathBuf]) -> Result<Vec<Shown>, CliError> {
+pub fn scenes(paths: &[PathBuf], limit: MemoryLimit) -> Result<Vec<Shown>, CliError> {
     let mut meshes = vec![("built-in scene".to_string(), builtin().map_err(CliError::unusable)?)];
     for path in paths {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        meshes.push((name, read_mesh(path).map_err(CliError::unusable)?));
+        meshes.push((name, read_mesh(path, limit).map_err(CliError::unusable)?));
     }
     let shown = |(name, mesh)| {
         let camera = Camera::framing(&mesh, SIZE.0 as f32 / SIZE.1 as f32);

@@ -9,7 +9,7 @@ use raypath_ops::Rules;
 use raypath_ppa::explore::Structure;
 use raypath_rtl::{Config, Datapath};
 use raypath_tools::pool::{self, ALL_CORES};
-use raypath_tools::{Cache, Key, digest, read};
+use raypath_tools::{Cache, Key, MemoryLimit, digest, read};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -79,12 +79,18 @@ impl ExactCache {
 
     /// The visits that each configuration adds, in percent, in the scene where it adds most. None where they cannot be
     /// computed: in other formats than binary32, and with conservative boxes.
-    pub fn visits(&self, configs: &[Config], paths: &[PathBuf]) -> Result<Vec<Option<f64>>, CliError> {
+    pub fn visits(
+        &self,
+        configs: &[Config],
+        paths: &[PathBuf],
+        limit: MemoryLimit,
+    ) -> Result<Vec<Option<f64>>, CliError> {
         let is_known =
             |config: &Config| config.semantics.format == Format::BINARY32 && !config.semantics.features.conservative;
         let mut contents = vec![self.program.clone()];
         for path in paths {
-            contents.push(digest(&read(path)?));
+            let refused = |problem| CliError::unusable(format!("{}: {problem}", path.display()));
+            contents.push(digest(&limit.read(path).map_err(refused)?));
         }
         let rules: Vec<Option<Rules>> =
             configs.iter().map(|config| is_known(config).then(|| config.semantics.rules_in_full())).collect();
@@ -106,7 +112,7 @@ impl ExactCache {
                 None => {
                     let scenes = match &shown {
                         Some(scenes) => scenes,
-                        None => shown.insert(scenes(paths)?),
+                        None => shown.insert(scenes(paths, limit)?),
                     };
                     let count = |scene| visits(scene, *rules, AMBIENT_OCCLUSION);
                     let found: Vec<u64> = scenes.iter().map(count).collect::<Result<_, _>>()?;

@@ -3,6 +3,7 @@
 use super::Arguments;
 use super::exact::{Elaborated, ExactCache};
 use super::space::{Space, space};
+use crate::commands::full::MemoryArguments;
 use crate::commands::full::ppa::{self, design, picture};
 use crate::{CliError, whole};
 use clap::Args;
@@ -39,6 +40,8 @@ pub struct SearchArguments {
     /// Configurations that are measured between two fits of the predictions
     #[arg(long, requires = "wanted", default_value_t = 4, value_parser = whole(1..=10_000usize), value_name = "N")]
     batch: usize,
+    #[command(flatten)]
+    memory: MemoryArguments,
 }
 
 impl SearchArguments {
@@ -59,7 +62,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let elaborated = exact.elaborate(&mut space)?;
     let configs: Vec<Config> = space.members.iter().map(|(_, config)| *config).collect();
     let visits = match options.needs_visits() {
-        true => exact.visits(&configs, &options.scene)?,
+        true => exact.visits(&configs, &options.scene, options.memory.limit)?,
         false => vec![None; configs.len()],
     };
     let objectives = options.objectives(&space, &visits)?;

@@ -1,7 +1,7 @@
 //! The jobs for which power is measured: random ones, and those of a picture, a search and recorded transactions.
 
 use crate::commands::full::render::Shown;
-use crate::commands::full::watched;
+use crate::commands::full::{MemoryArguments, watched};
 use crate::{CliError, whole};
 use clap::Args;
 use rand::SeedableRng;
@@ -38,6 +38,8 @@ pub struct JobArguments {
     /// Seed of random jobs
     #[arg(long, requires = "power", default_value_t = SEED, value_parser = whole(0..=u64::MAX))]
     seed: u64,
+    #[command(flatten)]
+    memory: MemoryArguments,
 }
 
 /// Named jobs, offered back to back.
@@ -56,7 +58,14 @@ const QUERIES: usize = 8;
 impl JobArguments {
     /// The defaults: the built-in picture, and generated vectors.
     pub fn built_in() -> Self {
-        Self { scene: None, vectors: None, recorded: Vec::new(), stream: STREAM, seed: SEED }
+        Self {
+            scene: None,
+            vectors: None,
+            recorded: Vec::new(),
+            stream: STREAM,
+            seed: SEED,
+            memory: MemoryArguments::default(),
+        }
     }
 
     /// All jobs that the operations of the model have; `count` random ones of each.
@@ -101,7 +110,7 @@ impl JobArguments {
 
     /// The jobs of the picture.
     pub fn picture(&self, model: &WordModel, config: Config) -> Result<Vec<Words>, CliError> {
-        let shown = Shown::read(self.scene.as_deref(), None)?;
+        let shown = Shown::read(self.scene.as_deref(), None, self.memory.limit)?;
         let camera = shown.framing(PICTURE.0 as f32 / PICTURE.1 as f32);
         let scene = shown.scene([camera.eye()])?;
         let tracing = Tracing { rules: config.semantics.rules_in_full(), ..Tracing::default() };
@@ -147,7 +156,7 @@ impl JobArguments {
             let dataset = clusters.generate().map_err(CliError::unusable)?;
             return Ok((dataset.base, dataset.queries));
         };
-        let all = read_vectors(path).map_err(CliError::unusable)?;
+        let all = read_vectors(path, self.memory.limit).map_err(CliError::unusable)?;
         if all.len() < 2 {
             let problem = format!("{}: {} vectors, expected at least 2", path.display(), all.len());
             return Err(CliError::unusable(problem));

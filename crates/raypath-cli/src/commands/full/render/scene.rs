@@ -3,6 +3,9 @@
 use crate::error::CliError;
 use clap::Args;
 use raypath_render::{Camera, Mesh, Placement, Scene, builtin, read_instances, read_mesh};
+use raypath_tools::MemoryLimit;
+use raypath_traversal::blocks::NodeKind;
+use std::fmt::Display;
 use std::io::Write;
 use std::path::Path;
 
@@ -44,19 +47,21 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
 
 /// What a scene shows: a mesh, or instances of it.
 pub struct Shown {
+    name: String,
     mesh: Mesh,
     instances: Option<Vec<Placement>>,
 }
 
 impl Shown {
     /// The mesh of a file, or the built-in one, and the instances of a file, if there is one.
-    pub fn read(mesh: Option<&Path>, instances: Option<&Path>) -> Result<Self, CliError> {
+    pub fn read(mesh: Option<&Path>, instances: Option<&Path>, limit: MemoryLimit) -> Result<Self, CliError> {
+        let name = name(mesh);
         let mesh = match mesh {
-            Some(path) => read_mesh(path).map_err(CliError::unusable)?,
+            Some(path) => read_mesh(path, limit).map_err(CliError::unusable)?,
             None => builtin().map_err(CliError::unusable)?,
         };
-        let instances = instances.map(read_instances).transpose().map_err(CliError::unusable)?;
-        Ok(Self { mesh, instances })
+        let instances = instances.map(|path| read_instances(path, limit)).transpose().map_err(CliError::unusable)?;
+        Ok(Self { name, mesh, instances })
     }
 
     /// A camera that sees the whole mesh or all instances of it.
@@ -70,10 +75,21 @@ impl Shown {
     /// The scene for ray origins at these points.
     pub fn scene(self, origins: impl IntoIterator<Item = [f32; 3]>) -> Result<Scene, CliError> {
         match self.instances {
-            Some(instances) => Scene::of_instances(self.mesh, &instances, origins).map_err(CliError::unusable),
-            None => Scene::for_origins(self.mesh, origins).map_err(CliError::unusable),
+            Some(instances) => Scene::of_instances(self.mesh, &instances, origins).map_err(unusable(&self.name)),
+            None => Scene::for_origins(self.mesh, origins).map_err(unusable(&self.name)),
         }
     }
+
+    /// The same in memory, as the traversal unit reads it.
+    pub fn through_unit(self, origins: impl IntoIterator<Item = [f32; 3]>, nodes: NodeKind) -> Result<Scene, CliError> {
+        let name = self.name.clone();
+        self.scene(origins)?.through_unit_of(nodes).map_err(unusable(&name))
+    }
+}
+
+/// A problem of the scene with this name.
+fn unusable<E: Display>(name: &str) -> impl Fn(E) -> CliError {
+    move |problem| CliError::unusable(format!("{name}: {problem}"))
 }
 
 pub fn name(path: Option<&Path>) -> String {
