@@ -9,8 +9,8 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use raypath_search::{
-    Candidates, GraphParameters, LaneGraph, LaneSearch, Metric, Neighbour, SearchError, SearchResults, SearchSpec,
-    Vectors, lanes,
+    Candidates, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbour, SearchError, SearchResults, SearchSpec,
+    Vectors, time_search,
 };
 use raypath_timing::{Sample, System, Timing};
 
@@ -144,19 +144,20 @@ pub fn search(
         Some("hnsw") => Some(GraphParameters { connections, ef_construction, seed }),
         Some(other) => return Err(value_error(format!("index: found '{other}', expected None or 'hnsw'"))),
     };
+    let lanes = LaneCount::of(datapath.lanes())
+        .ok_or_else(|| value_error("datapath: found no lanes, expected a datapath with distances"))?;
     let work = Work {
         base: self::vectors(py, vectors, "vectors")?,
         queries: self::vectors(py, queries, "queries")?,
         k,
         metric: metric.parse().map_err(value_error)?,
+        lanes,
         graph,
         ef: ef.unwrap_or(5 * k).max(k),
         system: system(&datapath, queries_in_flight, memory_latency),
         timed,
     };
-    let lanes = lanes(datapath.lanes());
-    let lanes = lanes.ok_or_else(|| value_error("datapath: found no lanes, expected a datapath with distances"))?;
-    watched(py, |progress| work.run(lanes, progress))
+    watched(py, |progress| work.run(progress))
 }
 
 /// The simulated beats if no number of queries is given.
@@ -167,6 +168,7 @@ struct Work {
     queries: Vectors,
     k: usize,
     metric: Metric,
+    lanes: LaneCount,
     graph: Option<GraphParameters>,
     ef: usize,
     system: System,
@@ -174,12 +176,12 @@ struct Work {
 }
 
 impl Work {
-    fn run(self, lanes: &dyn LaneSearch, progress: &(dyn Fn(u64) -> bool + Sync)) -> PyResult<Search> {
-        let Self { base, queries, k, metric, graph, ef, system, timed } = self;
-        let graph = graph.map(|parameters| lanes.graph(&base, metric, &parameters, progress));
+    fn run(self, progress: &(dyn Fn(u64) -> bool + Sync)) -> PyResult<Search> {
+        let Self { base, queries, k, metric, lanes, graph, ef, system, timed } = self;
+        let graph = graph.map(|parameters| Graph::build(&base, metric, lanes, &parameters, progress));
         let graph = graph.transpose().map_err(value_error)?;
         let results = match &graph {
-            None => lanes.exact(&base, metric, &queries, k, progress),
+            None => Exact::new(&base, metric, lanes).search(&queries, k, progress),
             Some(graph) => graph.search(&queries, k, ef, progress),
         };
         let results = results.map_err(value_error)?;
@@ -188,7 +190,7 @@ impl Work {
         }
         let beats = if timed.is_some() { u64::MAX } else { BEATS };
         let first = queries.first(timed.unwrap_or(usize::MAX));
-        let traced = |graph: Box<dyn LaneGraph + '_>| {
+        let traced = |graph: Graph<'_>| {
             let mut traces = graph.traces(&first, k, ef, beats, progress)?;
             if traces.is_empty() {
                 traces.push(graph.trace(queries.get(0).unwrap_or_default(), k, ef)?);
@@ -200,9 +202,9 @@ impl Work {
             Some(traces) => Candidates::Traced(traces),
             None => Candidates::All { count: k },
         };
-        let spec = SearchSpec { base: &base, queries: &queries, metric, candidates };
-        let sample = Sample::first(timed.unwrap_or_else(|| lanes.within(&spec, BEATS).max.max(1)));
-        let timing = lanes.time(&spec, sample, &system, progress).map_err(value_error)?;
+        let spec = SearchSpec { base: &base, queries: &queries, metric, lanes, candidates };
+        let sample = Sample::first(timed.unwrap_or_else(|| spec.within(BEATS).max.max(1)));
+        let (timing, _) = time_search(&spec, sample, &system, &mut (), progress).map_err(value_error)?;
         Ok(Search { results, k, timing: Some((timing, system)) })
     }
 }

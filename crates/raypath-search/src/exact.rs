@@ -1,6 +1,9 @@
 use crate::kernel::{self, Blocks, Lane};
+use crate::lanes::with_lanes;
 use crate::results::{Candidate, Nearest};
-use crate::{Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance};
+use crate::{
+    LaneCount, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance,
+};
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use raypath_model::BLOCK;
@@ -8,12 +11,13 @@ use raypath_ops::{Angular, AngularState, Euclidean, EuclideanState, Rounding, ar
 use raypath_timing::{Progress, ProgressCounter};
 use std::time::Instant;
 
-/// Exact search: it compares every query with every vector of the base, with the bits of [`Datapath`](crate::Datapath).
+/// Exact search: it compares every query with every vector of the base, with the bits of the datapath's operations.
 ///
 /// It holds a copy of the base in a layout for SIMD.
 #[derive(Debug, Clone)]
-pub struct Exact<const E: usize = 16, const A: usize = 8> {
+pub struct Exact {
     metric: Metric,
+    lanes: LaneCount,
     level: Level,
     dimensions: usize,
     len: usize,
@@ -29,23 +33,18 @@ const TILE: usize = 256 << 10;
 /// The maximum number of queries that share a tile.
 const GROUP: usize = 32;
 
-impl<const E: usize, const A: usize> Exact<E, A> {
+impl Exact {
     /// Prepares a base for search with the widest SIMD registers of the machine.
-    pub fn new(base: &Vectors, metric: Metric) -> Self {
-        Self::at(Level::new(), base, metric)
+    pub fn new(base: &Vectors, metric: Metric, lanes: LaneCount) -> Self {
+        Self::at(Level::new(), base, metric, lanes)
     }
 
     /// Prepares a base for search with the given SIMD instructions, which affect speed only.
-    pub fn at(level: Level, base: &Vectors, metric: Metric) -> Self {
-        let (lanes, norms) = match metric {
-            Metric::Euclidean => (E, Vec::new()),
-            Metric::Angular => {
-                let mut norms = norms::<A>(base);
-                norms.resize(base.len().next_multiple_of(BLOCK), 0.0);
-                (A, norms)
-            }
-        };
-        Self { metric, level, dimensions: base.dimensions(), len: base.len(), blocks: Blocks::new(base, lanes), norms }
+    pub fn at(level: Level, base: &Vectors, metric: Metric, lanes: LaneCount) -> Self {
+        let mut norms = norms(base, metric, lanes);
+        norms.resize(norms.len().next_multiple_of(BLOCK), 0.0);
+        let blocks = Blocks::new(base, metric.lanes(lanes));
+        Self { metric, lanes, level, dimensions: base.dimensions(), len: base.len(), blocks, norms }
     }
 
     /// Searches the `count` nearest neighbours of each query on all threads of rayon. The result does not depend on the
@@ -86,7 +85,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     pub fn work(&self, queries: usize) -> Work {
         let candidates = self.len as u64 + u64::from(self.metric == Metric::Angular);
         let evaluations = queries as u64 * candidates;
-        Work::of::<E, A>(evaluations, self.metric, self.dimensions)
+        Work::of(evaluations, self.metric, self.lanes, self.dimensions)
     }
 
     fn group(&self, queries: &[f32], count: usize, progress: &ProgressCounter) -> Vec<Vec<Neighbour>> {
@@ -94,7 +93,10 @@ impl<const E: usize, const A: usize> Exact<E, A> {
             queries.chunks_exact(self.dimensions).map(|query| self.query(query, count)).collect();
         let tile = (TILE / (self.blocks.padded() * size_of::<Lane>())).max(1);
         for (number, blocks) in self.blocks.tiles(tile).enumerate() {
-            dispatch!(self.level, simd => self.tile(simd, &mut queries, number * tile * BLOCK, blocks));
+            let first = number * tile * BLOCK;
+            with_lanes!(self.lanes, E, A => {
+                dispatch!(self.level, simd => self.tile::<_, E, A>(simd, &mut queries, first, blocks))
+            });
             if !progress.add(0) {
                 return Vec::new();
             }
@@ -106,7 +108,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     fn query(&self, query: &[f32], count: usize) -> Query {
         let norm = match self.metric {
             Metric::Euclidean => 0.0,
-            Metric::Angular => kernel::norm::<A>(query),
+            Metric::Angular => kernel::norm(self.lanes, query),
         };
         let mut padded = query.to_vec();
         padded.resize(self.blocks.padded(), 0.0);
@@ -115,7 +117,13 @@ impl<const E: usize, const A: usize> Exact<E, A> {
 
     /// Compares each query with each of the blocks, whose first candidate has index `first`.
     #[inline(always)]
-    fn tile<S: Simd>(&self, simd: S, queries: &mut [Query], first: usize, blocks: &[Lane]) {
+    fn tile<S: Simd, const E: usize, const A: usize>(
+        &self,
+        simd: S,
+        queries: &mut [Query],
+        first: usize,
+        blocks: &[Lane],
+    ) {
         let firsts = || (first..).step_by(BLOCK);
         for query in queries {
             let blocks = firsts().zip(blocks.chunks_exact(self.blocks.padded()));
@@ -194,8 +202,13 @@ pub(crate) fn check(dimensions: usize, len: usize, queries: usize, count: usize)
     Ok(())
 }
 
-/// The squared norm of each vector, with the bits of the datapath.
-pub(crate) fn norms<const A: usize>(vectors: &Vectors) -> Vec<f32> {
-    let rows = vectors.data().par_chunks(vectors.dimensions());
-    rows.map(kernel::norm::<A>).collect()
+/// The squared norm of each vector for the angular metric, with the bits of the datapath; none for the other.
+pub(crate) fn norms(vectors: &Vectors, metric: Metric, lanes: LaneCount) -> Vec<f32> {
+    match metric {
+        Metric::Euclidean => Vec::new(),
+        Metric::Angular => {
+            let rows = vectors.data().par_chunks(vectors.dimensions());
+            rows.map(|row| kernel::norm(lanes, row)).collect()
+        }
+    }
 }

@@ -1,6 +1,7 @@
 use crate::exact::{check, norms};
 use crate::{
-    Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance, kernel,
+    LaneCount, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance,
+    kernel,
 };
 use hnsw_rs::prelude::{Distance, Hnsw};
 use rand::SeedableRng;
@@ -18,8 +19,8 @@ use std::time::Instant;
 ///
 /// The graph is that of the crate `hnsw_rs`. Vectors are inserted one after another, so equal bases, parameters and
 /// seeds give equal graphs, on any machine and with any number of threads.
-pub struct Graph<'v, const E: usize = 16, const A: usize = 8> {
-    index: Hnsw<'static, Item, DatapathDistance<'v, E, A>>,
+pub struct Graph<'v> {
+    index: Hnsw<'static, Item, DatapathDistance<'v>>,
     built: Work,
 }
 
@@ -34,9 +35,9 @@ pub struct SearchTrace {
 
 impl SearchTrace {
     /// The work for vectors of dimension `dimensions`, with the norm of the query for the angular metric.
-    pub fn work<const E: usize, const A: usize>(&self, metric: Metric, dimensions: usize) -> Work {
+    pub fn work(&self, metric: Metric, lanes: LaneCount, dimensions: usize) -> Work {
         let norms = u64::from(metric == Metric::Angular);
-        Work::of::<E, A>(self.candidates.len() as u64 + norms, metric, dimensions)
+        Work::of(self.candidates.len() as u64 + norms, metric, lanes, dimensions)
     }
 }
 
@@ -63,7 +64,7 @@ const LAYERS: usize = 16;
 
 const EF_MAX: usize = 1 << 16;
 
-impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
+impl<'v> Graph<'v> {
     /// Builds the graph on one thread. `progress` gets the number of inserted vectors.
     ///
     /// # Errors
@@ -71,6 +72,7 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
     pub fn build(
         base: &'v Vectors,
         metric: Metric,
+        lanes: LaneCount,
         parameters: &GraphParameters,
         progress: Progress,
     ) -> Result<Self, SearchError> {
@@ -78,7 +80,7 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
         in_range("connections", connections, 2..=255, "2 to 255")?;
         in_range("ef_construction", ef_construction, 1..=EF_MAX, "1 to 65536")?;
 
-        let distance = DatapathDistance::<E, A>::new(base, metric);
+        let distance = DatapathDistance::new(base, metric, lanes);
         let index = Hnsw::new(connections, base.len(), LAYERS, ef_construction, distance);
         let mut order: Vec<u32> = (0..base.len() as u32).collect();
         order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
@@ -159,7 +161,7 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
         beats: u64,
         progress: Progress,
     ) -> Result<Vec<SearchTrace>, SearchError> {
-        let DatapathDistance { base, metric, .. } = *self.distance();
+        let DatapathDistance { base, metric, lanes, .. } = *self.distance();
         check(base.dimensions(), base.len(), queries.dimensions(), count)?;
         in_ef_range(ef, count)?;
         let (mut traces, mut left) = (Vec::new(), beats);
@@ -168,7 +170,7 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
             let found = self.row(&query, count, ef).iter().map(|near| near.index).collect();
             let candidates = query.candidates.as_ref().map(|list| std::mem::take(&mut *lock(list)));
             let trace = SearchTrace { candidates: candidates.unwrap_or_default(), found };
-            match left.checked_sub(trace.work::<E, A>(metric, base.dimensions()).beats) {
+            match left.checked_sub(trace.work(metric, lanes, base.dimensions()).beats) {
                 Some(rest) => left = rest,
                 None => break,
             }
@@ -193,12 +195,12 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
         row
     }
 
-    fn distance(&self) -> &DatapathDistance<'v, E, A> {
+    fn distance(&self) -> &DatapathDistance<'v> {
         self.index.get_distance()
     }
 }
 
-impl<const E: usize, const A: usize> fmt::Debug for Graph<'_, E, A> {
+impl fmt::Debug for Graph<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Graph").field("built", &self.built).finish_non_exhaustive()
     }
@@ -232,26 +234,27 @@ struct Query {
     candidates: Option<Mutex<Vec<u32>>>,
 }
 
-struct DatapathDistance<'v, const E: usize, const A: usize> {
+struct DatapathDistance<'v> {
     base: &'v Vectors,
     metric: Metric,
+    lanes: LaneCount,
     /// The squared norms of the base for the angular metric.
     norms: Vec<f32>,
     /// The number of evaluated pairs of vectors of the base.
     evaluations: AtomicU64,
 }
 
-impl<'v, const E: usize, const A: usize> DatapathDistance<'v, E, A> {
-    fn new(base: &'v Vectors, metric: Metric) -> Self {
-        let norms = if metric == Metric::Angular { norms::<A>(base) } else { Vec::new() };
-        Self { base, metric, norms, evaluations: AtomicU64::new(0) }
+impl<'v> DatapathDistance<'v> {
+    fn new(base: &'v Vectors, metric: Metric, lanes: LaneCount) -> Self {
+        let norms = norms(base, metric, lanes);
+        Self { base, metric, lanes, norms, evaluations: AtomicU64::new(0) }
     }
 
     /// A query, with its norm for the angular metric.
     fn query(&self, vector: &[f32], candidates: Option<Mutex<Vec<u32>>>) -> Query {
         let (norm, evaluations) = match self.metric {
             Metric::Euclidean => (0.0, 0),
-            Metric::Angular => (kernel::norm::<A>(vector), 1),
+            Metric::Angular => (kernel::norm(self.lanes, vector), 1),
         };
         Query { vector: vector.to_vec(), norm, evaluations: AtomicU64::new(evaluations), candidates }
     }
@@ -265,17 +268,19 @@ impl<'v, const E: usize, const A: usize> DatapathDistance<'v, E, A> {
     fn exactly(&self, query: &Query, index: u32) -> f64 {
         let (candidate, norm) = self.vector(index);
         match self.metric {
-            Metric::Euclidean => euclidean_distance(kernel::squared::<E>(&query.vector, candidate)),
-            Metric::Angular => cosine_distance(kernel::dot_product::<A>(&query.vector, candidate), query.norm, norm),
+            Metric::Euclidean => euclidean_distance(kernel::squared(self.lanes, &query.vector, candidate)),
+            Metric::Angular => {
+                cosine_distance(kernel::dot_product(self.lanes, &query.vector, candidate), query.norm, norm)
+            }
         }
     }
 
     fn work(&self, evaluations: u64) -> Work {
-        Work::of::<E, A>(evaluations, self.metric, self.base.dimensions())
+        Work::of(evaluations, self.metric, self.lanes, self.base.dimensions())
     }
 }
 
-impl<const E: usize, const A: usize> Distance<Item> for DatapathDistance<'_, E, A> {
+impl Distance<Item> for DatapathDistance<'_> {
     /// The squared Euclidean or the cosine distance in binary32; neither NaN nor negative.
     fn eval(&self, a: &[Item], b: &[Item]) -> f32 {
         let ([a], [Item::Base(candidate)]) = (a, b) else { return f32::INFINITY };
@@ -294,8 +299,10 @@ impl<const E: usize, const A: usize> Distance<Item> for DatapathDistance<'_, E, 
         };
         let (candidate, norm) = self.vector(*candidate);
         match self.metric {
-            Metric::Euclidean => kernel::squared::<E>(query, candidate),
-            Metric::Angular => cosine_distance(kernel::dot_product::<A>(query, candidate), query_norm, norm) as f32,
+            Metric::Euclidean => kernel::squared(self.lanes, query, candidate),
+            Metric::Angular => {
+                cosine_distance(kernel::dot_product(self.lanes, query, candidate), query_norm, norm) as f32
+            }
         }
     }
 }

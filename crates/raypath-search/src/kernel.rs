@@ -1,7 +1,9 @@
 //! Evaluation of the distance operations of `raypath_ops` for searches: one candidate over [`Binary32`] ([`pair`]), or
 //! sixteen in parallel over [`Lanes`] ([`block`]).
 
+use crate::lanes::with_lanes;
 use crate::vectors::Vectors;
+use crate::{LaneCount, Metric, cosine_distance, euclidean_distance};
 use fearless_simd::Simd;
 use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, SimdKernels};
 use raypath_ops::{
@@ -48,21 +50,40 @@ impl Blocks {
 }
 
 /// The squared Euclidean distance of a query and one candidate.
-#[inline(always)]
-pub(crate) fn squared<const E: usize>(query: &[f32], candidate: &[f32]) -> f32 {
-    pair(&Euclidean::<E> { rounding: Rounding::Unit }, EuclideanState::zero(Binary32), query, candidate)
-        .accumulator
-        .into()
+#[inline]
+pub(crate) fn squared(lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f32 {
+    let sums = with_lanes!(lanes, E, A => {
+        pair(&Euclidean::<E> { rounding: Rounding::Unit }, EuclideanState::zero(Binary32), query, candidate)
+    });
+    sums.accumulator.into()
 }
 
-#[inline(always)]
-pub(crate) fn dot_product<const A: usize>(query: &[f32], candidate: &[f32]) -> f32 {
-    pair(&Angular::<A> { rounding: Rounding::Unit }, AngularState::zero(Binary32), query, candidate).dot_product.into()
+#[inline]
+pub(crate) fn dot_product(lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f32 {
+    angular(lanes, query, candidate).dot_product.into()
 }
 
-#[inline(always)]
-pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
-    pair(&Angular::<A> { rounding: Rounding::Unit }, AngularState::zero(Binary32), vector, vector).norm.into()
+#[inline]
+pub(crate) fn norm(lanes: LaneCount, vector: &[f32]) -> f32 {
+    angular(lanes, vector, vector).norm.into()
+}
+
+/// The distance of a query and one candidate.
+pub(crate) fn distance(metric: Metric, lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f64 {
+    match metric {
+        Metric::Euclidean => euclidean_distance(squared(lanes, query, candidate)),
+        Metric::Angular => {
+            let sums = angular(lanes, query, candidate);
+            cosine_distance(sums.dot_product.into(), norm(lanes, query), sums.norm.into())
+        }
+    }
+}
+
+#[inline]
+fn angular(lanes: LaneCount, query: &[f32], candidate: &[f32]) -> AngularState<Binary32> {
+    with_lanes!(lanes, E, A => {
+        pair(&Angular::<A> { rounding: Rounding::Unit }, AngularState::zero(Binary32), query, candidate)
+    })
 }
 
 /// The sums of a query and one candidate of the same dimension.

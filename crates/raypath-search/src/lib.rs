@@ -6,11 +6,11 @@
 //! cycle-exact model of the pipeline and counts cycles.
 //!
 //! ```
-//! use raypath_search::{Exact, Metric, Vectors};
+//! use raypath_search::{Exact, LaneCount, Metric, Vectors};
 //!
 //! let base = Vectors::new(2, vec![0.0, 0.0, 3.0, 4.0, 1.0, 0.0])?;
 //! let queries = Vectors::new(2, vec![0.0, 0.0])?;
-//! let results = Exact::<16, 8>::new(&base, Metric::Euclidean).search(&queries, 3, &|_| true)?;
+//! let results = Exact::new(&base, Metric::Euclidean, LaneCount::Sixteen).search(&queries, 3, &|_| true)?;
 //! let distances: Vec<_> = results.rows[0].iter().map(|near| (near.index, near.distance)).collect();
 //! assert_eq!(distances, [(0, 0.0), (2, 1.0), (1, 5.0)]);
 //! assert_eq!(results.work.beats, 3);
@@ -18,7 +18,6 @@
 //! ```
 
 mod agent;
-mod distance;
 mod error;
 mod exact;
 mod files;
@@ -33,13 +32,12 @@ mod timing;
 mod vectors;
 
 pub use agent::QueryAgent;
-pub use distance::{Angle, Datapath};
 pub use error::SearchError;
 pub use exact::Exact;
 pub use files::{Dataset, FileError, read_neighbours, read_vectors, write_fvecs, write_ivecs};
 pub use generated::Clusters;
 pub use graph::{Graph, GraphParameters, SearchTrace};
-pub use lanes::{LaneGraph, LaneSearch, lanes};
+pub use lanes::LaneCount;
 pub use metric::{Metric, ParseMetricError, cosine_distance, euclidean_distance};
 pub use recall::recall;
 pub use results::{Neighbour, SearchResults, Work};

@@ -1,3 +1,5 @@
+use crate::LaneCount;
+
 /// The distance by which neighbours are ordered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Metric {
@@ -11,13 +13,17 @@ impl Metric {
     /// Both metrics.
     pub const ALL: [Self; 2] = [Self::Euclidean, Self::Angular];
 
-    /// The number of beats of one vector in a datapath of `E` Euclidean and `A` angular lanes.
-    pub fn beats<const E: usize, const A: usize>(self, dimensions: usize) -> u64 {
-        let lanes = match self {
-            Self::Euclidean => E,
-            Self::Angular => A,
-        };
-        dimensions.div_ceil(lanes) as u64
+    /// The number of lanes of this metric.
+    pub(crate) fn lanes(self, lanes: LaneCount) -> usize {
+        match self {
+            Self::Euclidean => lanes.euclidean(),
+            Self::Angular => lanes.euclidean() / 2,
+        }
+    }
+
+    /// The number of beats of one vector.
+    pub fn beats(self, lanes: LaneCount, dimensions: usize) -> u64 {
+        dimensions.div_ceil(self.lanes(lanes)) as u64
     }
 }
 

@@ -1,4 +1,5 @@
-use crate::{Datapath, Metric, Neighbours, SearchError, SearchResults, Vectors};
+use crate::kernel::distance;
+use crate::{LaneCount, Metric, Neighbours, SearchError, SearchResults, Vectors};
 use std::collections::HashSet;
 
 /// Recall at `count`: the mean fraction of the `count` true neighbours that a search found, between 0 and 1.
@@ -10,12 +11,13 @@ use std::collections::HashSet;
 /// # Errors
 /// Queries of another dimension than the base; truth or results for another number of queries; fewer true neighbours
 /// than `count`; a `count` of 0.
-pub fn recall<const E: usize, const A: usize>(
+pub fn recall(
     results: &SearchResults,
     truth: &Neighbours,
     base: &Vectors,
     queries: &Vectors,
     metric: Metric,
+    lanes: LaneCount,
     count: usize,
 ) -> Result<f64, SearchError> {
     crate::exact::check(base.dimensions(), base.len(), queries.dimensions(), count)?;
@@ -29,13 +31,12 @@ pub fn recall<const E: usize, const A: usize>(
         let problem = format!("truth of {} neighbours per query, expected {count}", truth.count());
         return Err(SearchError::Parameter(problem));
     }
-    let mut datapath = Datapath::<E, A>::new();
     let mut hits = 0;
     for ((query, row), truth) in queries.iter().zip(&results.rows).zip(truth.rows()) {
         let mut farthest = f64::NEG_INFINITY;
         for &index in &truth[..count] {
             let candidate = base.get(index as usize).unwrap_or_default();
-            farthest = farthest.max(datapath.distance(metric, query, candidate)?);
+            farthest = farthest.max(distance(metric, lanes, query, candidate));
         }
         let mut seen = HashSet::new();
         let found = row.iter().take(count).filter(|near| seen.insert(near.index));

@@ -4,7 +4,8 @@
 //! circuit (square root, division, selection of the nearest, navigation of a graph) takes no cycles; each candidate
 //! takes one fetch.
 
-use crate::{Metric, Neighbour, QueryAgent, SearchError, SearchTrace, Vectors, Work};
+use crate::lanes::with_lanes;
+use crate::{LaneCount, Metric, Neighbour, QueryAgent, SearchError, SearchTrace, Vectors, Work};
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::{Job, Rules};
 use raypath_timing::{
@@ -21,6 +22,8 @@ pub struct SearchSpec<'s> {
     pub queries: &'s Vectors,
     /// The metric.
     pub metric: Metric,
+    /// The lanes of the datapath.
+    pub lanes: LaneCount,
     /// The vectors that queries are compared with.
     pub candidates: Candidates<'s>,
 }
@@ -63,10 +66,10 @@ impl SearchSpec<'_> {
         self.len() == 0
     }
 
-    /// The work for the queries of a sample in a datapath of `E` Euclidean and `A` angular lanes. The simulation issues
-    /// this number of beats, and a fetch for each evaluation except those of the norms of queries.
-    pub fn work<const E: usize, const A: usize>(&self, sample: Sample) -> Work {
-        let works = sample.numbers(self.len()).map(|number| self.work_of::<E, A>(number));
+    /// The work for the queries of a sample. The simulation issues this number of beats, and a fetch for each evaluation
+    /// except those of the norms of queries.
+    pub fn work(&self, sample: Sample) -> Work {
+        let works = sample.numbers(self.len()).map(|number| self.work_of(number));
         works.fold(Work::default(), |all, work| Work {
             evaluations: all.evaluations.saturating_add(work.evaluations),
             beats: all.beats.saturating_add(work.beats),
@@ -74,25 +77,25 @@ impl SearchSpec<'_> {
     }
 
     /// The sample of the first queries that have at most `beats` beats in total; empty if the first has more.
-    pub fn within<const E: usize, const A: usize>(&self, beats: u64) -> Sample {
+    pub fn within(&self, beats: u64) -> Sample {
         let mut left = beats;
         let fits = |&number: &usize| {
-            let rest = left.checked_sub(self.work_of::<E, A>(number).beats);
+            let rest = left.checked_sub(self.work_of(number).beats);
             left = rest.unwrap_or(0);
             rest.is_some()
         };
         Sample::first((0..self.len()).take_while(fits).count())
     }
 
-    fn work_of<const E: usize, const A: usize>(&self, number: usize) -> Work {
+    fn work_of(&self, number: usize) -> Work {
         let dimensions = self.base.dimensions();
         match self.candidates {
             Candidates::All { .. } => {
                 let norms = u64::from(self.metric == Metric::Angular);
-                Work::of::<E, A>(self.base.len() as u64 + norms, self.metric, dimensions)
+                Work::of(self.base.len() as u64 + norms, self.metric, self.lanes, dimensions)
             }
             Candidates::Traced(traces) => {
-                traces.get(number).map_or(Work::default(), |trace| trace.work::<E, A>(self.metric, dimensions))
+                traces.get(number).map_or(Work::default(), |trace| trace.work(self.metric, self.lanes, dimensions))
             }
         }
     }
@@ -105,7 +108,7 @@ impl SearchSpec<'_> {
 /// # Errors
 /// Queries of another dimension than the base; a `count` that is not 1 to the size of the base; traces with candidates
 /// that are not in the base; the errors of [`simulate`].
-pub fn time_search<const E: usize, const A: usize>(
+pub fn time_search(
     spec: &SearchSpec,
     sample: Sample,
     system: &System,
@@ -113,11 +116,14 @@ pub fn time_search<const E: usize, const A: usize>(
     progress: Progress,
 ) -> Result<(Timing, Vec<Vec<Neighbour>>), TimingError> {
     let mut agents = agents(spec, sample)?;
-    let timing = simulate(agents.iter_mut(), &system.environment, pipeline::<E, A>(system), observer, progress)?;
+    let timing = with_lanes!(spec.lanes, E, A => {
+        simulate(agents.iter_mut(), &system.environment, pipeline::<E, A>(system), observer, progress)?
+    });
     Ok((timing, agents.into_iter().map(QueryAgent::into_neighbours).collect()))
 }
 
-/// The jobs of a search in the order in which the datapath accepts them. `progress` gets the number of completed
+/// The jobs of a search in a datapath of `E` Euclidean and `A` angular lanes, instead of those of `spec`, in the order in
+/// which it accepts them. `progress` gets the number of completed
 /// queries.
 ///
 /// # Errors
@@ -139,7 +145,7 @@ pub fn search_jobs<const E: usize, const A: usize>(
 ///
 /// # Errors
 /// The errors of [`time_search`].
-pub fn sweep_search<const E: usize, const A: usize>(
+pub fn sweep_search(
     spec: &SearchSpec,
     sample: Sample,
     in_flight: &[usize],
@@ -149,11 +155,13 @@ pub fn sweep_search<const E: usize, const A: usize>(
 ) -> Result<Sweep, TimingError> {
     let queries = agents(spec, sample)?;
     let agents = || queries.iter().cloned();
-    Ok(sweep(in_flight, latencies, &system.environment, &pipeline::<E, A>(system), agents, progress)?)
+    Ok(with_lanes!(spec.lanes, E, A => {
+        sweep(in_flight, latencies, &system.environment, &pipeline::<E, A>(system), agents, progress)?
+    }))
 }
 
 fn agents<'s>(spec: &SearchSpec<'s>, sample: Sample) -> Result<Vec<QueryAgent<'s>>, SearchError> {
-    let SearchSpec { base, queries, metric, candidates } = *spec;
+    let SearchSpec { base, queries, metric, candidates, .. } = *spec;
     let selected = sample.numbers(spec.len()).filter_map(|number| Some((number, queries.get(number)?)));
     match candidates {
         Candidates::All { count } => selected.map(|(_, query)| QueryAgent::exact(base, query, metric, count)).collect(),

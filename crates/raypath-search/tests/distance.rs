@@ -1,10 +1,11 @@
 //! Distances: the functional model against independent arithmetic, and searches against the functional model.
 
+use crate::common::datapath::Datapath;
 use rand::RngExt;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::levels;
-use raypath_search::{Datapath, Exact, Metric, SearchError, Vectors, cosine_distance, euclidean_distance};
+use raypath_search::{Exact, LaneCount, Metric, SearchError, Vectors, cosine_distance, euclidean_distance};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 const U: f64 = 1.0 / 16_777_216.0;
@@ -55,15 +56,15 @@ fn within_bound<const E: usize, const A: usize>() {
             let beats = dimensions.div_ceil(E) as u32;
             let squared: f64 = sum(|(a, b)| (a - b) * (a - b));
             let bound = gamma(2 + E.ilog2() + beats) * squared + underflow;
-            let ours = f64::from(datapath.squared(&query, &candidate).expect("a distance"));
+            let ours = f64::from(datapath.squared(&query, &candidate));
             assert!((ours - squared).abs() <= bound, "{dimensions}: {ours} and {squared}");
 
             let roundings = A.ilog2() + dimensions.div_ceil(A) as u32;
-            let angle = datapath.angle(&query, &candidate).expect("an angle");
+            let [our_dot, our_norm] = datapath.angle(&query, &candidate);
             let (dot, magnitude, norm) = (sum(|(a, b)| a * b), sum(|(a, b)| (a * b).abs()), sum(|(_, b)| b * b));
-            let (ours, bound) = (f64::from(angle.dot_product), gamma(roundings) * magnitude + underflow);
+            let (ours, bound) = (f64::from(our_dot), gamma(roundings) * magnitude + underflow);
             assert!((ours - dot).abs() <= bound, "{dimensions}: {ours} and {dot}");
-            let (ours, bound) = (f64::from(angle.norm), gamma(roundings) * norm + underflow);
+            let (ours, bound) = (f64::from(our_norm), gamma(roundings) * norm + underflow);
             assert!((ours - norm).abs() <= bound, "{dimensions}: {ours} and {norm}");
         }
     }
@@ -82,14 +83,14 @@ fn model_distances_of_small_integers_are_exact() {
         let float = |v: &[i64]| -> Vec<f32> { v.iter().map(|&x| x as f32).collect() };
         let sum = |term: fn(i64, i64) -> i64| a.iter().zip(&b).map(|(&a, &b)| term(a, b)).sum::<i64>() as f64;
 
-        let squared = datapath.squared(&float(&a), &float(&b)).expect("a distance");
+        let squared = datapath.squared(&float(&a), &float(&b));
         assert_eq!(f64::from(squared), sum(|a, b| (a - b).pow(2)));
-        let angle = datapath.angle(&float(&a), &float(&b)).expect("an angle");
-        assert_eq!(f64::from(angle.dot_product), sum(|a, b| a * b));
-        assert_eq!(f64::from(angle.norm), sum(|_, b| b * b));
+        let [dot, norm] = datapath.angle(&float(&a), &float(&b));
+        assert_eq!(f64::from(dot), sum(|a, b| a * b));
+        assert_eq!(f64::from(norm), sum(|_, b| b * b));
         beats += dimensions.div_ceil(16) + dimensions.div_ceil(8);
     }
-    assert_eq!(datapath.beats(), beats as u64);
+    assert_eq!(datapath.beats, beats as u64);
 }
 
 #[test]
@@ -110,7 +111,7 @@ fn same_bits<const E: usize, const A: usize>() {
             let queries = Vectors::new(dimensions, mixed(&mut generator, 3 * dimensions, large)).expect("vectors");
             for metric in Metric::ALL {
                 let search = |level| {
-                    let exact = Exact::<E, A>::at(level, &base, metric);
+                    let exact = Exact::at(level, &base, metric, LaneCount::of(E).expect("lanes"));
                     exact.search(&queries, BASE, &|_| true).expect("results").rows
                 };
                 let rows = levels().into_iter().map(search).collect::<Vec<_>>();
@@ -118,9 +119,7 @@ fn same_bits<const E: usize, const A: usize>() {
                     let mut expected: Vec<(f64, u32)> = base
                         .iter()
                         .zip(0..)
-                        .map(|(candidate, index)| {
-                            (datapath.distance(metric, query, candidate).expect("a distance"), index)
-                        })
+                        .map(|(candidate, index)| (datapath.distance(metric, query, candidate), index))
                         .collect();
                     expected.sort_by(|a, b| a.partial_cmp(b).expect("no NaN"));
                     let found: Vec<(f64, u32)> = row.iter().map(|near| (near.distance, near.index)).collect();
@@ -158,7 +157,7 @@ fn the_result_does_not_depend_on_the_number_of_threads() {
     let mut generator = ChaCha8Rng::seed_from_u64(4);
     let base = Vectors::new(5, random(&mut generator, 5 * 5000, 1.0)).expect("vectors");
     let queries = Vectors::new(5, random(&mut generator, 5 * 100, 1.0)).expect("vectors");
-    let exact = Exact::<16, 8>::new(&base, Metric::Euclidean);
+    let exact = Exact::new(&base, Metric::Euclidean, LaneCount::Sixteen);
     let rows = [1, 2, 7].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| exact.search(&queries, 17, &|_| true).expect("results").rows)
@@ -177,7 +176,7 @@ fn progress_counts_queries() {
         calls.fetch_add(1, Ordering::Relaxed);
         max.fetch_max(done, Ordering::Relaxed) <= 77
     };
-    Exact::<16, 8>::new(&base, Metric::Euclidean).search(&queries, 1, &progress).expect("results");
+    Exact::new(&base, Metric::Euclidean, LaneCount::Sixteen).search(&queries, 1, &progress).expect("results");
     assert_eq!(max.into_inner(), 77);
     assert!(calls.into_inner() > 30, "progress is also polled within a group of queries");
 }
@@ -185,7 +184,7 @@ fn progress_counts_queries() {
 #[test]
 fn invalid_searches_are_errors() {
     let vectors = |dimensions: usize| Vectors::new(dimensions, vec![0.0; 3 * dimensions]).expect("vectors");
-    let exact = Exact::<16, 8>::new(&vectors(4), Metric::Euclidean);
+    let exact = Exact::new(&vectors(4), Metric::Euclidean, LaneCount::Sixteen);
     let error = |queries: usize, count: usize| exact.search(&vectors(queries), count, &|_| true).expect_err("an error");
     assert_eq!(error(5, 1), SearchError::Dimensions { base: 4, queries: 5 });
     assert_eq!(error(4, 0), SearchError::Neighbours { requested: 0, available: 3 });

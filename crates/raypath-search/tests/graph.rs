@@ -1,8 +1,9 @@
 //! Graph search: its recall on the digits, its reproducibility, and its traces.
 
+use crate::common::datapath::Datapath;
 use crate::common::{digits, vectors};
 use raypath_search::{
-    Clusters, Datapath, Exact, Graph, GraphParameters, Metric, Neighbours, SearchError, Vectors, recall,
+    Clusters, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchError, Vectors, recall,
 };
 
 const COUNT: usize = 10;
@@ -14,7 +15,7 @@ fn base_and_queries() -> (Vectors, Vectors) {
 }
 
 fn truth(base: &Vectors, queries: &Vectors, metric: Metric) -> Neighbours {
-    let exact = Exact::<16, 8>::new(base, metric).search(queries, COUNT, &|_| true).expect("results");
+    let exact = Exact::new(base, metric, LaneCount::Sixteen).search(queries, COUNT, &|_| true).expect("results");
     let indices: Vec<i64> = exact.rows.iter().flatten().map(|near| near.index.into()).collect();
     Neighbours::new(COUNT, &indices, base.len()).expect("neighbours")
 }
@@ -23,7 +24,8 @@ fn truth(base: &Vectors, queries: &Vectors, metric: Metric) -> Neighbours {
 fn recall_on_digits() {
     let (base, queries) = base_and_queries();
     for metric in Metric::ALL {
-        let graph = Graph::<16, 8>::build(&base, metric, &GraphParameters::default(), &|_| true).expect("a graph");
+        let graph =
+            Graph::build(&base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true).expect("a graph");
         let truth = truth(&base, &queries, metric);
         let mut last = 0;
         for (ef, floor) in [(10, 0.99), (EF, 0.999), (400, 0.999)] {
@@ -31,7 +33,7 @@ fn recall_on_digits() {
             assert!(
                 results.rows.iter().all(|row| row.len() == COUNT && row.is_sorted_by(|a, b| a.distance <= b.distance))
             );
-            let recall = recall::<16, 8>(&results, &truth, &base, &queries, metric, COUNT).expect("recall");
+            let recall = recall(&results, &truth, &base, &queries, metric, LaneCount::Sixteen, COUNT).expect("recall");
             let evaluations = results.per_query(results.work.evaluations);
             println!("{metric}, ef {ef}: recall {recall}, {evaluations} evaluations per query");
             assert!((floor..=1.0).contains(&recall), "{metric}, ef {ef}: recall {recall}");
@@ -42,7 +44,7 @@ fn recall_on_digits() {
             last = results.work.evaluations;
             let beats = if metric == Metric::Euclidean { 4 } else { 8 };
             assert_eq!(results.work.beats, beats * results.work.evaluations);
-            assert_eq!(Metric::ALL.map(|metric| metric.beats::<16, 8>(base.dimensions())), [4, 8]);
+            assert_eq!(Metric::ALL.map(|metric| metric.beats(LaneCount::Sixteen, base.dimensions())), [4, 8]);
         }
         assert!(graph.build_work().evaluations > base.len() as u64);
     }
@@ -54,13 +56,13 @@ fn distances_have_the_bits_of_the_datapath() {
         let clusters = Clusters { vectors: 300, queries: 10, dimensions, ..Clusters::default() };
         let data = clusters.generate().expect("data");
         for metric in Metric::ALL {
-            let graph = Graph::<16, 8>::build(&data.base, metric, &GraphParameters::default(), &|_| true);
+            let graph = Graph::build(&data.base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true);
             let results = graph.expect("a graph").search(&data.queries, COUNT, EF, &|_| true).expect("results");
             let mut datapath = Datapath::<16, 8>::new();
             for (query, row) in data.queries.iter().zip(&results.rows) {
                 for near in row {
                     let candidate = data.base.get(near.index as usize).expect("a vector");
-                    let expected = datapath.distance(metric, query, candidate).expect("a distance");
+                    let expected = datapath.distance(metric, query, candidate);
                     assert_eq!(near.distance.to_bits(), expected.to_bits(), "{metric}, {dimensions} dimensions");
                 }
             }
@@ -75,7 +77,8 @@ fn equal_seeds_give_equal_graphs() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
             let parameters = GraphParameters { connections: 4, ef_construction: 10, seed };
-            let graph = Graph::<16, 8>::build(&base, Metric::Angular, &parameters, &|_| true).expect("a graph");
+            let graph =
+                Graph::build(&base, Metric::Angular, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
             let results = graph.search(&queries, COUNT, COUNT, &|_| true).expect("results");
             (graph.build_work(), results.work, results.rows)
         })
@@ -88,7 +91,8 @@ fn equal_seeds_give_equal_graphs() {
 fn a_trace_has_the_counted_evaluations() {
     let (base, queries) = base_and_queries();
     for (metric, norms) in [(Metric::Euclidean, 0), (Metric::Angular, 1)] {
-        let graph = Graph::<16, 8>::build(&base, metric, &GraphParameters::default(), &|_| true).expect("a graph");
+        let graph =
+            Graph::build(&base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true).expect("a graph");
         let results = graph.search(&queries, COUNT, EF, &|_| true).expect("results");
         let mut evaluations = 0;
         for (query, row) in queries.iter().zip(&results.rows) {
@@ -105,7 +109,7 @@ fn a_trace_has_the_counted_evaluations() {
 fn graphs_of_few_and_of_equal_vectors_work() {
     for count in [1, 2, 5] {
         let base = Vectors::new(2, (0..2 * count).map(|i| i as f32).collect()).expect("vectors");
-        let graph = Graph::<16, 8>::build(&base, Metric::Euclidean, &GraphParameters::default(), &|_| true);
+        let graph = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &GraphParameters::default(), &|_| true);
         let results = graph.expect("a graph").search(&base, count, count, &|_| true).expect("results");
         assert!(results.rows.iter().enumerate().all(|(i, row)| row.len() == count && row[0].index as usize == i));
     }
@@ -113,7 +117,8 @@ fn graphs_of_few_and_of_equal_vectors_work() {
     for coordinate in [0.0, 1.0, f32::MAX] {
         let base = Vectors::new(3, vec![coordinate; 3 * 100]).expect("vectors");
         for metric in Metric::ALL {
-            let graph = Graph::<16, 8>::build(&base, metric, &GraphParameters::default(), &|_| true).expect("a graph");
+            let graph = Graph::build(&base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true)
+                .expect("a graph");
             let results = graph.search(&base, 3, 10, &|_| true).expect("results");
             assert_eq!(results.rows.len(), 100);
         }
@@ -125,7 +130,9 @@ fn invalid_graphs_are_errors() {
     let base = Vectors::new(2, vec![0.0; 20]).expect("vectors");
     let build = |connections: usize, ef_construction: usize| {
         let parameters = GraphParameters { connections, ef_construction, seed: 1 };
-        Graph::<16, 8>::build(&base, Metric::Euclidean, &parameters, &|_| true).map(|_| ()).map_err(|e| e.to_string())
+        Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &parameters, &|_| true)
+            .map(|_| ())
+            .map_err(|e| e.to_string())
     };
     assert_eq!(build(1, 10), Err("connections is 1, expected 2 to 255".to_owned()));
     assert_eq!(build(256, 10), Err("connections is 256, expected 2 to 255".to_owned()));
@@ -133,9 +140,9 @@ fn invalid_graphs_are_errors() {
     assert_eq!(build(2, 1), Ok(()));
     assert_eq!(build(255, 1), Ok(()));
     let parameters = GraphParameters::default();
-    let stopped = Graph::<16, 8>::build(&base, Metric::Euclidean, &parameters, &|done| done < 5).map(|_| ());
+    let stopped = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &parameters, &|done| done < 5).map(|_| ());
     assert_eq!(stopped, Err(SearchError::Stopped));
-    let graph = Graph::<16, 8>::build(&base, Metric::Euclidean, &parameters, &|_| true).expect("a graph");
+    let graph = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
     assert_eq!(graph.search(&base, 1, 1, &|_| false), Err(SearchError::Stopped));
     let error = graph.search(&base, 5, 4, &|_| true).expect_err("an error").to_string();
     assert_eq!(error, "ef is 4, expected at least the number of neighbours and at most 65536");

@@ -3,8 +3,8 @@
 use raypath_model::{Control, Loop, Shape};
 use raypath_ops::JobKind;
 use raypath_search::{
-    Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, Metric, QueryAgent, SearchError, SearchResults,
-    SearchSpec, SearchTrace, TimingError, Vectors, Work, sweep_search, time_search,
+    Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, QueryAgent, SearchError,
+    SearchResults, SearchSpec, SearchTrace, TimingError, Vectors, Work, sweep_search, time_search,
 };
 use raypath_timing::report::Recorder;
 use raypath_timing::{Environment, Sample, SimulationError, Sink, System, Timing};
@@ -34,15 +34,15 @@ fn clusters(vectors: usize, queries: usize, dimensions: usize) -> Dataset {
 }
 
 /// Checks that the simulation of a search has its results and its work in all systems.
-fn assert_simulated<const E: usize, const A: usize>(spec: &SearchSpec, expected: &SearchResults) {
+fn assert_simulated(spec: &SearchSpec, expected: &SearchResults) {
     let (queries, work) = (expected.rows.len() as u64, expected.work);
     let (kind, norms) = match spec.metric {
         Metric::Euclidean => (JobKind::Euclidean, 0),
         Metric::Angular => (JobKind::Angular, queries),
     };
-    assert_eq!(spec.work::<E, A>(Sample::ALL), work);
+    assert_eq!(spec.work(Sample::ALL), work);
     for system in systems() {
-        let timed = time_search::<E, A>(spec, Sample::ALL, &system, &mut (), &|_| true);
+        let timed = time_search(spec, Sample::ALL, &system, &mut (), &|_| true);
         let (timing, rows) = timed.expect("a timing");
         assert_eq!(rows, expected.rows, "{}, {} dimensions", spec.metric, spec.base.dimensions());
         assert_eq!((timing.jobs_of(kind), timing.total_jobs()), (work.beats, work.beats));
@@ -54,18 +54,18 @@ fn assert_simulated<const E: usize, const A: usize>(spec: &SearchSpec, expected:
 
 #[test]
 fn simulated_exact_search_finds_the_same() {
-    exact::<16, 8>(&[1, 7, 16, 20, 33]);
-    exact::<8, 4>(&[3, 20]);
+    exact(LaneCount::Sixteen, &[1, 7, 16, 20, 33]);
+    exact(LaneCount::Eight, &[3, 20]);
 }
 
-fn exact<const E: usize, const A: usize>(dimensions: &[usize]) {
+fn exact(lanes: LaneCount, dimensions: &[usize]) {
     for &dimensions in dimensions {
         let Dataset { base, queries, .. } = clusters(70, 13, dimensions);
         for metric in Metric::ALL {
-            let expected = Exact::<E, A>::new(&base, metric).search(&queries, 6, &|_| true).expect("results");
+            let expected = Exact::new(&base, metric, lanes).search(&queries, 6, &|_| true).expect("results");
             let candidates = Candidates::All { count: 6 };
-            let spec = SearchSpec { base: &base, queries: &queries, metric, candidates };
-            assert_simulated::<E, A>(&spec, &expected);
+            let spec = SearchSpec { base: &base, queries: &queries, metric, lanes, candidates };
+            assert_simulated(&spec, &expected);
         }
     }
 }
@@ -74,12 +74,19 @@ fn exact<const E: usize, const A: usize>(dimensions: &[usize]) {
 fn simulated_graph_search_finds_the_same() {
     let Dataset { base, queries, .. } = clusters(600, 25, 20);
     for metric in Metric::ALL {
-        let graph = Graph::<16, 8>::build(&base, metric, &GraphParameters::default(), &|_| true).expect("a graph");
+        let graph =
+            Graph::build(&base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true).expect("a graph");
         for (count, ef) in [(5, 5), (10, 40), (1, 1)] {
             let expected = graph.search(&queries, count, ef, &|_| true).expect("results");
             let traces = graph.traces(&queries, count, ef, u64::MAX, &|_| true).expect("traces");
-            let spec = SearchSpec { base: &base, queries: &queries, metric, candidates: Candidates::Traced(&traces) };
-            assert_simulated::<16, 8>(&spec, &expected);
+            let spec = SearchSpec {
+                base: &base,
+                queries: &queries,
+                metric,
+                lanes: LaneCount::Sixteen,
+                candidates: Candidates::Traced(&traces),
+            };
+            assert_simulated(&spec, &expected);
         }
     }
 }
@@ -94,8 +101,8 @@ fn cycles_follow_from_the_latencies() {
     let time = |metric, candidates, in_flight, memory_latency| {
         let environment = Environment { in_flight, memory_latency, ..Environment::default() };
         let system = System { environment, ..System::default() };
-        let spec = SearchSpec { base: &base, queries: &queries, metric, candidates };
-        time_search::<16, 8>(&spec, Sample::ALL, &system, &mut (), &|_| true).expect("a timing").0.cycles
+        let spec = SearchSpec { base: &base, queries: &queries, metric, lanes: LaneCount::Sixteen, candidates };
+        time_search(&spec, Sample::ALL, &system, &mut (), &|_| true).expect("a timing").0.cycles
     };
     let (all, traced) = (Candidates::All { count: 1 }, Candidates::Traced(&traces));
     assert_eq!(time(Metric::Euclidean, all, 1, 100), 2 * (3 * (100 + 2) + 12));
@@ -124,10 +131,11 @@ fn beats_of_a_vector_are_consecutive() {
     // Three beats a vector.
     let Dataset { base, queries, .. } = clusters(20, 9, 40);
     let candidates = Candidates::All { count: 1 };
-    let spec = SearchSpec { base: &base, queries: &queries, metric: Metric::Euclidean, candidates };
+    let spec =
+        SearchSpec { base: &base, queries: &queries, metric: Metric::Euclidean, lanes: LaneCount::Sixteen, candidates };
     for system in systems() {
         let mut recorder = new_recorder();
-        time_search::<16, 8>(&spec, Sample::ALL, &system, &mut recorder, &|_| true).expect("a timing");
+        time_search(&spec, Sample::ALL, &system, &mut recorder, &|_| true).expect("a timing");
         let owners = owners(recorder);
         assert_eq!(owners.len(), 9 * 20 * 3);
         assert!(owners.as_chunks::<3>().0.iter().all(|[a, b, c]| a == b && b == c));
@@ -141,27 +149,29 @@ fn beats_of_a_vector_are_consecutive() {
 fn samples_are_limited_by_beats() {
     let Dataset { base, queries, .. } = clusters(50, 12, 40);
     let candidates = Candidates::All { count: 2 };
-    let spec = SearchSpec { base: &base, queries: &queries, metric: Metric::Angular, candidates };
+    let spec =
+        SearchSpec { base: &base, queries: &queries, metric: Metric::Angular, lanes: LaneCount::Sixteen, candidates };
     // 51 vectors of 5 beats.
-    let within = |beats| spec.within::<16, 8>(beats).numbers(spec.len()).len();
+    let within = |beats| spec.within(beats).numbers(spec.len()).len();
     assert_eq!([0, 254, 255, 509, 510, u64::MAX].map(within), [0, 0, 1, 1, 2, 12]);
-    assert_eq!(spec.work::<16, 8>(spec.within::<16, 8>(600)), Work { evaluations: 102, beats: 510 });
+    assert_eq!(spec.work(spec.within(600)), Work { evaluations: 102, beats: 510 });
 
-    let graph = Graph::<16, 8>::build(&base, Metric::Angular, &GraphParameters::default(), &|_| true).expect("a graph");
+    let graph = Graph::build(&base, Metric::Angular, LaneCount::Sixteen, &GraphParameters::default(), &|_| true)
+        .expect("a graph");
     let all = graph.traces(&queries, 2, 4, u64::MAX, &|_| true).expect("traces");
     let traced = |traces| SearchSpec { candidates: Candidates::Traced(traces), ..spec };
-    let five = traced(&all).work::<16, 8>(Sample::first(5)).beats;
+    let five = traced(&all).work(Sample::first(5)).beats;
     for (beats, count) in [(five - 1, 4), (five, 5), (five + 1, 5)] {
         assert_eq!(graph.traces(&queries, 2, 4, beats, &|_| true).expect("traces"), all[..count]);
-        assert_eq!(traced(&all).within::<16, 8>(beats), Sample::first(count));
+        assert_eq!(traced(&all).within(beats), Sample::first(count));
     }
     assert_eq!((traced(&all[..5]).len(), traced(&[]).is_empty()), (5, true));
 
     let sample = Sample { stride: NonZeroUsize::new(4).expect("four"), max: 2 };
     let expected = graph.search(&queries, 2, 4, &|_| true).expect("results").rows;
-    let timed = time_search::<16, 8>(&traced(&all), sample, &System::default(), &mut (), &|_| true);
+    let timed = time_search(&traced(&all), sample, &System::default(), &mut (), &|_| true);
     assert_eq!(timed.expect("a timing").1, [expected[0].clone(), expected[4].clone()]);
-    let none = time_search::<16, 8>(&traced(&[]), Sample::ALL, &System::default(), &mut (), &|_| true);
+    let none = time_search(&traced(&[]), Sample::ALL, &System::default(), &mut (), &|_| true);
     assert_eq!(none, Ok((Timing::default(), Vec::new())));
 }
 
@@ -169,14 +179,15 @@ fn samples_are_limited_by_beats() {
 fn sweep_points_equal_single_timings() {
     let Dataset { base, queries, .. } = clusters(50, 20, 40);
     let candidates = Candidates::All { count: 1 };
-    let spec = SearchSpec { base: &base, queries: &queries, metric: Metric::Angular, candidates };
+    let spec =
+        SearchSpec { base: &base, queries: &queries, metric: Metric::Angular, lanes: LaneCount::Sixteen, candidates };
     let (sample, system) = (Sample::first(15), System::default());
     let (in_flight, latencies) = ([1, 4, 16], [0, 100]);
-    let sweep = sweep_search::<16, 8>(&spec, sample, &in_flight, &latencies, &system, &|_| true).expect("a sweep");
+    let sweep = sweep_search(&spec, sample, &in_flight, &latencies, &system, &|_| true).expect("a sweep");
     assert_eq!(sweep.points.len(), 6);
     for point in sweep.points {
         let system = System { environment: point.environment, ..System::default() };
-        let timed = time_search::<16, 8>(&spec, sample, &system, &mut (), &|_| true).expect("a timing");
+        let timed = time_search(&spec, sample, &system, &mut (), &|_| true).expect("a timing");
         assert_eq!(point.timing, timed.0);
     }
 }
@@ -186,9 +197,10 @@ fn invalid_simulations_are_errors() {
     let Dataset { base, queries, .. } = clusters(3000, 60, 4);
     let other = Vectors::new(3, vec![0.0; 3]).expect("a vector");
     let time = |queries, candidates, in_flight, progress| {
-        let spec = SearchSpec { base: &base, queries, metric: Metric::Euclidean, candidates };
+        let spec =
+            SearchSpec { base: &base, queries, metric: Metric::Euclidean, lanes: LaneCount::Sixteen, candidates };
         let system = System { environment: Environment { in_flight, ..Environment::default() }, ..System::default() };
-        time_search::<16, 8>(&spec, Sample::ALL, &system, &mut (), progress).expect_err("an error")
+        time_search(&spec, Sample::ALL, &system, &mut (), progress).expect_err("an error")
     };
     let all = |count| Candidates::All { count };
     let neighbours = |requested| TimingError::Search(SearchError::Neighbours { requested, available: 3000 });

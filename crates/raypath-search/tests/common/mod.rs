@@ -1,5 +1,7 @@
 //! The digits of `tests/data`.
 
+pub mod datapath;
+
 use flate2::read::GzDecoder;
 use raypath_search::Vectors;
 use std::io::Read;

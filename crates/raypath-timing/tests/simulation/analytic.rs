@@ -54,60 +54,6 @@ fn one_agent_in_flight_takes_the_sum_of_all_latencies() {
     }
 }
 
-/// A round is a fetch, a job and its outcome: memory + latency + 1 cycles. R agents issue R jobs per round if R is at
-/// most the length of a round, and one job per cycle otherwise.
-#[test]
-fn throughput_is_agents_per_round_and_at_most_one() {
-    const ROUNDS: u64 = 50;
-    for shape in shapes() {
-        for memory in [1, 7, 60] {
-            let round = memory + shape.latency as u64 + 1;
-            for in_flight in [1, 2, 3, round - 1, round, round + 1, 2 * round] {
-                let agent: Vec<_> =
-                    (0..ROUNDS).flat_map(|n| [Action::Fetch, issue(Quadbox, n), Action::Wait]).collect();
-                let agents = vec![agent; in_flight as usize];
-                let timing = run(agents, &environment(in_flight as usize, memory), &shape).expect("runs");
-                // The jobs of the first round leave one after another; each later round adds its length or the queue's.
-                let expected = ROUNDS.saturating_sub(1) * round.max(in_flight) + round + in_flight - 1;
-                assert_eq!(timing.cycles, expected, "{shape:?}, memory {memory}, {in_flight} in flight");
-                assert_eq!(timing.accepted, ROUNDS * in_flight);
-                assert_eq!(timing.accepted + timing.refused + timing.starved.total(), timing.cycles);
-                let limit = (in_flight as f64 / round as f64).min(1.0);
-                assert!((timing.jobs_per_cycle() / limit - 1.0).abs() < 0.05);
-            }
-        }
-    }
-}
-
-/// Without fetches and waits a job enters in every cycle, and only the last outcome is waited for.
-#[test]
-fn independent_jobs_enter_in_every_cycle() {
-    for shape in shapes() {
-        let agents = vec![vec![issue(Quadbox, 0), issue(Triangle, 1), issue(Angular, 2)]; 40];
-        for in_flight in [1, 2, 40] {
-            let timing = run(agents.clone(), &environment(in_flight, 0), &shape).expect("runs");
-            assert_eq!((timing.accepted, timing.latency_sum), (120, 120 * shape.latency as u64));
-            // A single agent occupies its slot until its outcomes arrive.
-            let rounds = if in_flight == 1 { 40 } else { 1 };
-            if in_flight != 2 {
-                assert_eq!(timing.cycles, 120 + rounds * (shape.latency as u64));
-            }
-        }
-    }
-}
-
-#[test]
-fn the_last_action_of_an_agent_counts() {
-    let timing = run(vec![vec![issue(Quadbox, 0), Action::Fetch]; 2], &environment(1, 100), &Shape::default());
-    // The job is accepted in cycle 0; its outcome arrives during the 100 cycles of the fetch.
-    assert_eq!(timing.expect("runs").cycles, 2 * 101);
-    assert_eq!(
-        run(vec![Vec::new(); 9], &environment(4, 100), &Shape::default()).map(|t| (t.cycles, t.agents)),
-        Ok((0, 9))
-    );
-    assert_eq!(run(Vec::new(), &environment(4, 100), &Shape::default()).map(|t| (t.cycles, t.agents)), Ok((0, 0)));
-}
-
 /// An accumulator loop of four stages accepts a beat of its operation every four cycles.
 #[test]
 fn a_loop_in_the_pipeline_refuses_beats() {

@@ -149,6 +149,9 @@ fn acceptance_cycles_equal_those_of_the_reference_simulator() {
         let (cycles, expected) = reference(&agents, in_flight, memory, shape.latency as u64);
         assert_eq!(entries(recorder), expected, "seed {seed}");
         assert_eq!(timing.cycles, cycles, "seed {seed}");
+        let (accepted, inside) = (expected.len() as u64, shape.latency as u64);
+        assert_eq!((timing.accepted, timing.latency_sum), (accepted, accepted * inside), "seed {seed}");
+        assert_eq!(timing.accepted + timing.refused + timing.starved.total(), timing.cycles, "seed {seed}");
         // Skipping unobserved idle cycles does not change the timing.
         assert_eq!(simulate(scripts(), &environment, echo(&shape), &mut (), &|_| true), Ok(timing));
         jobs += expected.len();

@@ -314,7 +314,7 @@ fn costs(rendering: &Rendering, seconds: f64, out: &mut dyn Write) -> Result<(),
         "rays", "all", "hits", "box jobs", "triangles", "behind", "node reads", "leaf reads"
     )?;
     for (name, costs) in kinds.iter().filter(|(_, costs)| costs.rays > 0) {
-        let Counts { quadbox, triangle, behind, nodes, leaves } = costs.counts;
+        let Counts { quadbox, triangle, behind, nodes, leaves, .. } = costs.counts;
         writeln!(
             out,
             "{name:<14} {:>10} {:>10} {quadbox:>11} {triangle:>11} {behind:>11} {nodes:>11} {leaves:>10}",

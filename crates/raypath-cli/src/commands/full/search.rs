@@ -10,9 +10,9 @@ use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_ops::Rounding;
-use raypath_rtl::{Config, Lanes};
+use raypath_rtl::Config;
 use raypath_search::{
-    Clusters, Dataset, GraphParameters, LaneGraph, LaneSearch, Metric, Neighbours, SearchResults, Work, lanes, recall,
+    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, Work, recall,
     write_ivecs,
 };
 use raypath_timing::Progress;
@@ -92,28 +92,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         let problem = format!("--rounding {}: vectors are searched with rounding unit only", config.semantics.rounding);
         return Err(CliError::unusable(problem));
     }
-    match config.semantics.lanes {
-        Lanes::None => Err(no_lanes()),
-        Lanes::Two => search::<2, 1>(arguments, config, out),
-        Lanes::Four => search::<4, 2>(arguments, config, out),
-        Lanes::Eight => search::<8, 4>(arguments, config, out),
-        Lanes::Sixteen => search::<16, 8>(arguments, config, out),
-        Lanes::ThirtyTwo => search::<32, 16>(arguments, config, out),
-        Lanes::SixtyFour => search::<64, 32>(arguments, config, out),
-    }
-}
-
-fn no_lanes() -> CliError {
-    CliError::unusable("--lanes none: a datapath without distances cannot search, expected 2 to 64")
-}
-
-/// A search with `E` Euclidean and `A` angular lanes.
-fn search<const E: usize, const A: usize>(
-    arguments: &Arguments,
-    config: Config,
-    out: &mut dyn Write,
-) -> Result<(), CliError> {
-    let lanes = lanes(E).ok_or_else(no_lanes)?;
+    let lanes = LaneCount::of(config.semantics.lanes.count()).ok_or_else(|| {
+        CliError::unusable("--lanes none: a datapath without distances cannot search, expected 2 to 64")
+    })?;
     let dataset = arguments.dataset()?;
     let metric = arguments.metric.or(dataset.metric).unwrap_or(Metric::Euclidean);
     let (base, queries) = (&dataset.base, &dataset.queries);
@@ -136,10 +117,9 @@ fn search<const E: usize, const A: usize>(
             watched("queries", queries.len(), |progress| graph.search(queries, arguments.k, arguments.ef(), progress))?
         }
     };
-    let mut rows = describe::<E, A>(&results, base.dimensions());
+    let mut rows = describe(&results, lanes, base.dimensions());
     if let Some((source, truth)) = arguments.truth(lanes, &dataset, metric)? {
-        let recall =
-            recall::<E, A>(&results, &truth, base, queries, metric, arguments.k).map_err(CliError::unusable)?;
+        let recall = recall(&results, &truth, base, queries, metric, lanes, arguments.k).map_err(CliError::unusable)?;
         rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
     }
     writeln!(out)?;
@@ -152,13 +132,13 @@ fn search<const E: usize, const A: usize>(
         write_ivecs(&results, &mut bytes)?;
         files.push((path.clone(), bytes));
     }
-    let subject = timing::Queries::<E, A> {
+    let subject = timing::Queries {
         name: arguments.name(),
         dataset: &dataset,
         metric,
         neighbours: arguments.k,
         ef: arguments.ef(),
-        graph: graph.as_deref(),
+        graph: graph.as_ref(),
         lanes,
         max: arguments.timed,
     };
@@ -196,29 +176,29 @@ impl Arguments {
 
     fn graph<'d>(
         &self,
-        lanes: &dyn LaneSearch,
+        lanes: LaneCount,
         dataset: &'d Dataset,
         metric: Metric,
         out: &mut dyn Write,
-    ) -> Result<Box<dyn LaneGraph + 'd>, CliError> {
+    ) -> Result<Graph<'d>, CliError> {
         let parameters =
             GraphParameters { connections: self.connections, ef_construction: self.ef_construction, seed: self.seed };
         let graph = watched("vectors indexed", dataset.base.len(), |progress| {
-            lanes.graph(&dataset.base, metric, &parameters, progress)
+            Graph::build(&dataset.base, metric, lanes, &parameters, progress)
         })?;
         writeln!(out, "the graph took {} beats to build", graph.build_work().beats)?;
         Ok(graph)
     }
 
-    fn exact(&self, lanes: &dyn LaneSearch, dataset: &Dataset, metric: Metric) -> Result<SearchResults, CliError> {
+    fn exact(&self, lanes: LaneCount, dataset: &Dataset, metric: Metric) -> Result<SearchResults, CliError> {
         let Dataset { base, queries, .. } = dataset;
-        watched("queries", queries.len(), |progress| lanes.exact(base, metric, queries, self.k, progress))
+        watched("queries", queries.len(), |progress| Exact::new(base, metric, lanes).search(queries, self.k, progress))
     }
 
     /// An exact search of the shard's queries; or the results of all shards. For a part, its message.
     fn divided(
         &self,
-        lanes: &dyn LaneSearch,
+        lanes: LaneCount,
         dataset: &Dataset,
         metric: Metric,
         config: Config,
@@ -233,7 +213,7 @@ impl Arguments {
         let shards = parts.phase(|| {
             let Range { start, end } = self.division.shard().range(queries.len() as u64);
             let Some(queries) = queries.range(start as usize..end as usize) else { return Ok(SavedResults::default()) };
-            let search = |progress: Progress<'_>| lanes.exact(base, metric, &queries, k, progress);
+            let search = |progress: Progress<'_>| Exact::new(base, metric, lanes).search(&queries, k, progress);
             let results = watched("queries", queries.len(), search)?;
             Ok::<_, CliError>(SavedResults::from(results))
         })?;
@@ -245,7 +225,7 @@ impl Arguments {
     /// The truth for recall, with its source. Exact search uses the truth of the file only.
     fn truth(
         &self,
-        lanes: &dyn LaneSearch,
+        lanes: LaneCount,
         dataset: &Dataset,
         metric: Metric,
     ) -> Result<Option<(&'static str, Neighbours)>, CliError> {
@@ -263,16 +243,16 @@ impl Arguments {
     }
 }
 
-fn describe<const E: usize, const A: usize>(results: &SearchResults, dimensions: usize) -> Vec<(String, String)> {
+fn describe(results: &SearchResults, lanes: LaneCount, dimensions: usize) -> Vec<(String, String)> {
     let Work { evaluations, beats } = results.work;
-    let of_vector = |metric: Metric| metric.beats::<E, A>(dimensions).to_string();
+    let of_vector = |metric: Metric| metric.beats(lanes, dimensions).to_string();
     vec![
         ("queries per second, functional model".to_string(), format!("{:.1}", results.queries_per_second())),
         ("distances".to_string(), evaluations.to_string()),
         ("distances of a query".to_string(), format!("{:.1}", results.per_query(evaluations))),
         ("beats".to_string(), beats.to_string()),
         ("beats of a query".to_string(), format!("{:.1}", results.per_query(beats))),
-        (format!("beats of a vector, euclidean ({E} lanes)"), of_vector(Metric::Euclidean)),
-        (format!("beats of a vector, angular ({A} lanes)"), of_vector(Metric::Angular)),
+        (format!("beats of a vector, euclidean ({} lanes)", lanes.euclidean()), of_vector(Metric::Euclidean)),
+        (format!("beats of a vector, angular ({} lanes)", lanes.euclidean() / 2), of_vector(Metric::Angular)),
     ]
 }

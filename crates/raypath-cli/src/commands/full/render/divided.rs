@@ -105,7 +105,7 @@ struct SavedRows {
 impl From<Rows> for SavedRows {
     fn from(Rows { colours, jobs, costs }: Rows) -> Self {
         let costs = costs.map(|Costs { rays, hits, counts }| {
-            let Counts { quadbox, triangle, behind, nodes, leaves } = counts;
+            let Counts { quadbox, triangle, behind, nodes, leaves, .. } = counts;
             [rays, hits, quadbox, triangle, behind, nodes, leaves]
         });
         Self { colours, jobs, costs }
@@ -117,7 +117,7 @@ impl From<SavedRows> for Rows {
         let costs = costs.map(|[rays, hits, quadbox, triangle, behind, nodes, leaves]| Costs {
             rays,
             hits,
-            counts: Counts { quadbox, triangle, behind, nodes, leaves },
+            counts: Counts { quadbox, triangle, behind, nodes, leaves, ..Counts::default() },
         });
         Self { colours, jobs, costs }
     }
