@@ -84,9 +84,11 @@ fn table(
     if !(integer || allowed(&kind)) {
         return Err(FileError::content(file, name, format_args!("type {kind}"), expected));
     }
-    check(file, rows, columns, limit)?;
+    let named = |error: FileError| FileError { problem: format!("{name}: {}", error.problem), ..error };
+    check(file, rows, columns, limit).map_err(named)?;
     let chunk = dataset.chunk_shape().map_err(fail)?.unwrap_or_default();
-    check(file, chunk.iter().fold(1, |size, side| size.saturating_mul(*side)), 1, limit)?;
+    let numbers = chunk.iter().fold(1, |size: u64, side| size.saturating_mul(*side));
+    limit.check(numbers, "numbers of a chunk", 8).map_err(FileError::of(file)).map_err(named)?;
     let length = std::fs::metadata(file).map_err(FileError::of(file))?.len();
     let capacity = capacity(&dataset, rows, columns, length).map_err(fail)?;
     let size = dataset.element_size().map_err(fail)?;

@@ -157,5 +157,9 @@ fn bombs_are_errors() {
         let few = builder.create_dataset("train").with_f32_data(&[0.0; 4]).with_shape(&[2, 2]);
         few.with_chunks(&[1 << 12, 1 << 12]).with_deflate(9);
     });
-    assert_error("a.hdf5", read_vectors(&file.path, MemoryLimit::of(1 << 20)), &["16777216 vectors of 1 coordinates"]);
+    assert_error(
+        "a.hdf5",
+        read_vectors(&file.path, MemoryLimit::of(1 << 20)),
+        &["train: 16777216 numbers of a chunk take 134217728 bytes"],
+    );
 }

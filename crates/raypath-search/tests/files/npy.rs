@@ -121,11 +121,10 @@ fn hostile_files() {
     vectors_error(&npy(&header("<f4", "(1, 65537)"), &vec![0; 4 * 65537]), &["65537 dimensions"]);
     neighbours_error(&npy(&header("<i4", "(0, 5)"), &[]), 1, &["no neighbours"]);
     neighbours_error(&npy(&header("<i4", "(5, 0)"), &[]), 1, &["no neighbours"]);
-    for shape in ["(2147483648, 1024)", "(1, 4611686018427387)", "(4294967296, 0)"] {
-        let parts: &[&str] = if shape.ends_with("0)") { &["0 dimensions"] } else { &["found 4 bytes", "expected "] };
-        let data: &[u8] = if shape.ends_with("0)") { &[] } else { &[0; 4] };
-        vectors_error(&npy(&header("<f4", shape), data), parts);
+    for shape in ["(2147483648, 1024)", "(1, 4611686018427387)"] {
+        vectors_error(&npy(&header("<f4", shape), &[0; 4]), &["found 4 bytes", "expected "]);
     }
+    vectors_error(&npy(&header("<f4", "(4294967296, 0)"), &[]), &["4294967296 vectors of 0 coordinates take"]);
     for shape in [
         "(4294967296, 4294967296)",
         "(0, 4294967296, 4294967296, 16)",
