@@ -1,9 +1,9 @@
 //! External programs: how they are found, run and stopped, and how their results are cached.
 //!
 //! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] and
-//! [`SmtSolver`] prove. [`Verilated`] is SystemVerilog compiled by Verilator, an
-//! implementation of the language that is independent of `raypath-hdl`'s simulator, so that the two can be compared
-//! cycle by cycle. [`FourState`] simulates it with unknown values. [`Sources::lint`] runs the linters.
+//! [`SmtSolver`] prove. [`Verilated`] is SystemVerilog compiled by Verilator, an implementation of the language that is
+//! independent of `raypath-hdl`'s simulator, so that the two can be compared cycle by cycle. [`Sources::lint`] runs the
+//! linters.
 //!
 //! Every function reports a missing program, a failure or an unexpected result as a [`ToolError`].
 //!
@@ -32,7 +32,6 @@ mod abc;
 mod cache;
 mod error;
 mod files;
-mod four_state;
 mod grouped;
 mod input;
 mod lint;
@@ -59,7 +58,6 @@ pub use abc::Abc;
 pub use cache::{Cache, Key, MAX_RESULT_BYTES, decode, digest};
 pub use error::ToolError;
 pub use files::{read, temporary_folder, write};
-pub use four_state::{FourState, KnownWord};
 pub use grouped::grouped;
 pub use input::{MemoryLimit, plain_or_gzip, read_within, text};
 pub use lint::{lint_icarus, lint_slang, lint_verilator, lint_yosys};

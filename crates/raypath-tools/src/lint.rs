@@ -1,6 +1,5 @@
 //! The linters that emitted SystemVerilog must pass without any message: Verilator, Yosys, slang and Icarus Verilog.
 
-use crate::four_state::ICARUS;
 use crate::program::python;
 use crate::verilator::VERILATOR;
 use crate::yosys::YOSYS;
@@ -14,6 +13,13 @@ static PYSLANG: Program = Program {
     expected: "Python's module pyslang 12 or newer",
     install: "python3 -m pip install pyslang",
     version: &["python3", "-c", "import pyslang, importlib.metadata as m; print('pyslang', m.version('pyslang'))"],
+};
+
+pub(crate) static ICARUS: Program = Program {
+    name: "iverilog",
+    expected: "Icarus Verilog 11 or newer",
+    install: "apt-get install iverilog",
+    version: &["iverilog", "-V"],
 };
 
 /// Parses and elaborates with every warning but one, which is off by default: that a signal is never read. Verilator

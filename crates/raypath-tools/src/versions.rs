@@ -1,6 +1,6 @@
 //! The versions of all external programs that are installed.
 
-use crate::four_state::ICARUS;
+use crate::lint::ICARUS;
 use crate::verilator::VERILATOR;
 use crate::{Abc, OpenSta, SmtSolver, ToolError, Yosys, YosysKind};
 use std::collections::BTreeMap;

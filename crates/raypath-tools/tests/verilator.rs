@@ -5,7 +5,6 @@ mod compare;
 mod coverage;
 #[path = "../../raypath-hdl/tests/common/operators.rs"]
 mod every;
-mod four_state;
 mod frames;
 mod memories;
 #[path = "../../raypath-hdl/tests/common/netlists.rs"]

@@ -7,7 +7,6 @@ pub mod covering;
 pub mod dataflow;
 pub mod geometry;
 pub mod models;
-mod reset;
 pub mod subjects;
 mod text_coverage;
 
@@ -97,15 +96,5 @@ pub const ITEMS: &[Item] = &[
             operation or all nodes, which must be below 99 %",
         has_configuration: true,
         run: text_coverage::verify,
-    },
-    Item {
-        name: "reset",
-        claim: "after a reset nothing unknown leaves a port that has a meaning, whatever registers, memories and \
-            inputs without meaning hold; outcomes are those of the models; at level full for every preset, and small \
-            datapaths with every pair of values of the parameters",
-        oracle: "simulation of the emitted SystemVerilog with unknown values, by Yosys and Icarus Verilog; the \
-            cycle-exact and the functional model",
-        has_configuration: false,
-        run: reset::verify,
     },
 ];
