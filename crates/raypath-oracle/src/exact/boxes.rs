@@ -149,7 +149,8 @@ fn by_bounds(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3
     };
     let [mut near, mut far] = [[Number::Nan; 3]; 2];
     for (axis, Slab { min, max }) in bounds.iter().enumerate() {
-        let (first, last) = if inputs.inverse[axis].is_negative() { (*max, *min) } else { (*min, *max) };
+        let is_backwards = inputs.inverse[axis].is_negative() && !arithmetic.makes(Mistake::DirectionIgnored);
+        let (first, last) = if is_backwards { (*max, *min) } else { (*min, *max) };
         near[axis] = distance(first, axis, Way::TowardZero);
         far[axis] = distance(last, axis, Way::AwayFromZero);
     }
