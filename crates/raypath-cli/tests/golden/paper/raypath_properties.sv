@@ -28,6 +28,8 @@ module raypath_order_properties #(
   localparam int unsigned WaitsWidth  = $clog2(MaxWaits + 2);
   localparam int unsigned InsideWidth = OpcodeWidth * (Capacity + 1);
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic [CountWidth-1:0]  count_q;
   logic [InsideWidth-1:0] inside_q;
   logic [WaitsWidth-1:0]  waits_q;
@@ -57,11 +59,19 @@ module raypath_order_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    no_more_than_fit: assert (!enters || staying < Capacity[CountWidth-1:0]);
-    none_repeated:    assert (!leave_valid_i || count_q != '0);
-    none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[OpcodeWidth-1:0]);
-    none_lost:        assert (waits_q < MaxWaits[WaitsWidth-1:0]);
+    if (was_reset_q) begin
+      no_more_than_fit: assert (!enters || staying < Capacity[CountWidth-1:0]);
+      none_repeated:    assert (!leave_valid_i || count_q != '0);
+      none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[OpcodeWidth-1:0]);
+      none_lost:        assert (waits_q < MaxWaits[WaitsWidth-1:0]);
+    end
   end
 
 endmodule : raypath_order_properties
@@ -77,6 +87,8 @@ module raypath_stall_properties #(
   input logic [Width-1:0] data_i
 );
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic             stalled_q;
   logic [Width-1:0] data_q;
 
@@ -90,9 +102,17 @@ module raypath_stall_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    valid_stays: assert (!stalled_q || valid_i);
-    data_stay:   assert (!stalled_q || data_i == data_q);
+    if (was_reset_q) begin
+      valid_stays: assert (!stalled_q || valid_i);
+      data_stay:   assert (!stalled_q || data_i == data_q);
+    end
   end
 
 endmodule : raypath_stall_properties
@@ -114,6 +134,8 @@ module raypath_state_properties #(
   input logic [Width-1:0]       state_i
 );
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic [Width-1:0] state_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -124,8 +146,16 @@ module raypath_state_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    once_a_beat: assert (state_i == state_q);
+    if (was_reset_q) begin
+      once_a_beat: assert (state_i == state_q);
+    end
   end
 
 endmodule : raypath_state_properties

@@ -29,6 +29,8 @@ module raypath_order_properties #(
   localparam int unsigned WaitsWidth  = $clog2(MaxWaits + 2);
   localparam int unsigned InsideWidth = OpcodeWidth * (Capacity + 1);
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic [CountWidth-1:0]  count_q;
   logic [InsideWidth-1:0] inside_q;
   logic [WaitsWidth-1:0]  waits_q;
@@ -58,11 +60,19 @@ module raypath_order_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    no_more_than_fit: assert (!enters || staying < Capacity[CountWidth-1:0]);
-    none_repeated:    assert (!leave_valid_i || count_q != '0);
-    none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[OpcodeWidth-1:0]);
-    none_lost:        assert (waits_q < MaxWaits[WaitsWidth-1:0]);
+    if (was_reset_q) begin
+      no_more_than_fit: assert (!enters || staying < Capacity[CountWidth-1:0]);
+      none_repeated:    assert (!leave_valid_i || count_q != '0);
+      none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[OpcodeWidth-1:0]);
+      none_lost:        assert (waits_q < MaxWaits[WaitsWidth-1:0]);
+    end
   end
 
 endmodule : raypath_order_properties
@@ -78,6 +88,8 @@ module raypath_stall_properties #(
   input logic [Width-1:0] data_i
 );
 
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+
   logic             stalled_q;
   logic [Width-1:0] data_q;
 
@@ -91,9 +103,17 @@ module raypath_stall_properties #(
     end
   end
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      was_reset_q <= 1'b1;
+    end
+  end
+
   always_ff @(posedge clk_i) begin
-    valid_stays: assert (!stalled_q || valid_i);
-    data_stay:   assert (!stalled_q || data_i == data_q);
+    if (was_reset_q) begin
+      valid_stays: assert (!stalled_q || valid_i);
+      data_stay:   assert (!stalled_q || data_i == data_q);
+    end
   end
 
 endmodule : raypath_stall_properties
@@ -336,25 +356,34 @@ module raypath_unit_ports_properties #(
   input logic [ContextWidth-1:0] arrival_tag_i
 );
 
-  logic                  runs_q;  // not in reset
-  logic [ContextWidth:0] inside_q;
-  logic [31:0]           left_q [0:2**ContextWidth-1];  // beats of each tag that have not arrived
+  localparam int unsigned Tags       = 2 ** ContextWidth;
+  localparam int unsigned CountWidth = $clog2(Beats + 1);
+
+  logic was_reset_q = 1'b0;  // before the first reset nothing holds
+  logic runs_q = 1'b0;       // a reset has ended
+
+  logic [ContextWidth:0]      inside_q;
+  logic [Tags*CountWidth-1:0] left_q;  // beats of each tag that have not arrived
+  logic [CountWidth-1:0]      left_of_request;
+  logic [CountWidth-1:0]      left_of_arrival;
+
+  assign left_of_request = left_q[request_tag_i*CountWidth +: CountWidth];
+  assign left_of_arrival = left_q[arrival_tag_i*CountWidth +: CountWidth];
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      runs_q   <= 1'b0;
-      inside_q <= '0;
-      for (int tag = 0; tag < 2**ContextWidth; tag++) begin
-        left_q[tag] <= '0;
-      end
+      was_reset_q <= 1'b1;
+      runs_q      <= 1'b0;
+      inside_q    <= '0;
+      left_q      <= '0;
     end else begin
-      runs_q   <= 1'b1;
+      runs_q   <= was_reset_q;
       inside_q <= inside_q + {{ContextWidth{1'b0}}, enters_i} - {{ContextWidth{1'b0}}, leaves_i};
       if (arrives_i) begin
-        left_q[arrival_tag_i] <= left_q[arrival_tag_i] - 1;
+        left_q[arrival_tag_i*CountWidth +: CountWidth] <= left_of_arrival - 1'b1;
       end
       if (requests_i) begin
-        left_q[request_tag_i] <= Beats;
+        left_q[request_tag_i*CountWidth +: CountWidth] <= Beats[CountWidth-1:0];
       end
     end
   end
@@ -364,9 +393,9 @@ module raypath_unit_ports_properties #(
       hits_have_rays:      assert (!leaves_i || inside_q != 0);
       // A context is free again while its hit waits at the port.
       contexts_suffice:    assert (inside_q <= Contexts[ContextWidth:0] + 1'b1);
-      tags_are_free:       assert (!requests_i || left_q[request_tag_i] == 0);
+      tags_are_free:       assert (!requests_i || left_of_request == 0);
       // Of the memory, not of the unit.
-      arrivals_were_asked: assert (!arrives_i || left_q[arrival_tag_i] != 0);
+      arrivals_were_asked: assert (!arrives_i || left_of_arrival != 0);
     end
   end
 
