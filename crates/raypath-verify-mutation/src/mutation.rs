@@ -1,6 +1,8 @@
 //! Mutation testing: whether the regression tests find a fault in the netlist.
 
+mod logic;
 mod mutant;
+mod symbolic;
 mod trial;
 mod units;
 
