@@ -152,14 +152,4 @@ fn bombs_are_errors() {
     let expected = format!("16384 vectors of 64 coordinates take {needed} bytes of memory, expected at most");
     assert_error("a.hdf5", read(needed - 1), &[&expected]);
     assert_eq!(read(needed).expect("within the limit").len(), rows);
-    // A chunk may be larger than its dataset.
-    let file = made(|builder| {
-        let few = builder.create_dataset("train").with_f32_data(&[0.0; 4]).with_shape(&[2, 2]);
-        few.with_chunks(&[1 << 12, 1 << 12]).with_deflate(9);
-    });
-    assert_error(
-        "a.hdf5",
-        read_vectors(&file.path, MemoryLimit::of(1 << 20)),
-        &["train: 16777216 numbers of a chunk take 134217728 bytes"],
-    );
 }
