@@ -1,8 +1,6 @@
 //! Mutation testing: whether the regression tests find a fault in the netlist.
 
-mod logic;
 mod mutant;
-mod symbolic;
 mod trial;
 mod units;
 
