@@ -130,7 +130,7 @@ fn the_document_quotes_the_output_of_the_command() {
     let document = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/formats.md"));
     let document = document.expect("docs/reference/formats.md");
     let arguments = ["accuracy", "--format", "fp32,bf16,fp16"];
-    assert!(document.contains(&format!("cargo run --release --features full -- {}\n", arguments.join(" "))));
+    assert!(document.contains(&format!("cargo raypath {}\n", arguments.join(" "))));
     let output = raypath(&arguments);
     assert!(output.status.success());
     let printed = String::from_utf8(output.stdout).expect("text");
