@@ -49,8 +49,11 @@ enum Stimulus {
     /// By [`Stimuli`].
     Stimuli,
     /// As the words of the input ports, in binary32.
-    Binary32(Arc<dyn Fn(&mut ChaCha8Rng) -> Vec<u64> + Send + Sync>),
+    Binary32(Draw),
 }
+
+/// Draws the words of the input ports.
+type Draw = Arc<dyn Fn(&mut ChaCha8Rng) -> Vec<u64> + Send + Sync>;
 
 /// An endless source of jobs.
 pub(crate) type Source = Box<dyn Iterator<Item = Words>>;

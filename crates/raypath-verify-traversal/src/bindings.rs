@@ -71,7 +71,9 @@ pub fn contexts(_: &Setting, _: &Module) -> String {
 
 /// The words of a block: the memory and the reader that have them, the stem of its ports, the first word for a kind of
 /// nodes, and the bits of a word that are followed. A port for whether a child exists is 0 for kind 0.
-const WORDS: [(&str, &str, &str, fn(NodeKind) -> usize, u32); 4] = [
+type BlockWords = (&'static str, &'static str, &'static str, fn(NodeKind) -> usize, u32);
+
+const WORDS: [BlockWords; 4] = [
     ("jobs", "job", "word", |_| 0, 1),
     ("jobs", "job", "exists", NodeKind::child_word, 6),
     ("children", "child", "child", NodeKind::child_word, 1),

@@ -53,17 +53,33 @@ const DEEP_RAYS: usize = 8;
 /// Barycentric coordinates alone.
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, instances: false };
 
-/// The units of the campaign: contexts, stack, nodes, width of the memory and of ids, latency of division, control,
-/// optional parts.
-const UNITS: [(u32, u32, NodeKind, u32, u32, u32, Control, UnitFeatures); 8] = [
-    (8, 2, NodeKind::Wide4, 256, 16, 2, Control::Skid, UnitFeatures::OFF),
-    (16, 4, NodeKind::Wide4, 512, 64, 9, Control::Credit, UnitFeatures::OFF),
-    (11, 8, NodeKind::Wide4, 128, 4, 1, Control::Credit, WEIGHTS),
-    (64, 16, NodeKind::Wide4, 1024, 7, 5, Control::Skid, UnitFeatures::OFF),
-    (32, 32, NodeKind::Wide4, 512, 16, 27, Control::Skid, WEIGHTS),
-    (9, 2, NodeKind::Wide4, 128, 4, 9, Control::Credit, UnitFeatures::OFF),
-    (40, 2, NodeKind::Quantised, 512, 16, 2, Control::Skid, WEIGHTS),
-    (12, 2, NodeKind::Wide4, 512, 5, 3, Control::Skid, UnitFeatures { barycentrics: true, instances: true }),
+/// A unit of the campaign: the flow control of its datapath, and its parameters.
+type Setting = (Control, UnitParameters);
+
+const fn unit(control: Control, [contexts, stack, memory_width, id_width, divider_latency]: [u32; 5]) -> Setting {
+    let step = StepParameters { stack, node: NodeKind::Wide4, features: UnitFeatures::OFF };
+    (control, UnitParameters { contexts, step, memory_width, divider_latency, id_width })
+}
+
+const fn with((control, mut parameters): Setting, node: NodeKind, features: UnitFeatures) -> Setting {
+    (parameters.step.node, parameters.step.features) = (node, features);
+    (control, parameters)
+}
+
+/// Contexts, entries of the stack, bits of the memory and of ids, and latency of division; nodes and features.
+const UNITS: [Setting; 8] = [
+    unit(Control::Skid, [8, 2, 256, 16, 2]),
+    unit(Control::Credit, [16, 4, 512, 64, 9]),
+    with(unit(Control::Credit, [11, 8, 128, 4, 1]), NodeKind::Wide4, WEIGHTS),
+    unit(Control::Skid, [64, 16, 1024, 7, 5]),
+    with(unit(Control::Skid, [32, 32, 512, 16, 27]), NodeKind::Wide4, WEIGHTS),
+    unit(Control::Credit, [9, 2, 128, 4, 9]),
+    with(unit(Control::Skid, [40, 2, 512, 16, 2]), NodeKind::Quantised, WEIGHTS),
+    with(
+        unit(Control::Skid, [12, 2, 512, 5, 3]),
+        NodeKind::Wide4,
+        UnitFeatures { barycentrics: true, instances: true },
+    ),
 ];
 
 /// The units of the campaign.
@@ -76,11 +92,7 @@ pub fn units() -> Result<Vec<UnitNetlist>, Error> {
 
 /// The configurations of the campaign's datapaths, and the parameters of the units around them.
 pub fn settings() -> impl Iterator<Item = (Config, UnitParameters)> {
-    UNITS.into_iter().map(|(contexts, stack, node, memory_width, id_width, divider_latency, control, features)| {
-        let step = StepParameters { stack, node, features };
-        let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width };
-        (Config::DEFAULT.control(control), parameters)
-    })
+    UNITS.into_iter().map(|(control, parameters)| (Config::DEFAULT.control(control), parameters))
 }
 
 /// What is random in an episode.

@@ -96,7 +96,7 @@ pub fn depends(wire: &str, on: &str) -> String {
 
 /// The texts of modules.
 pub fn texts<'a>(modules: impl IntoIterator<Item = &'a Arc<Module>>) -> Result<String, raypath_hdl::Error> {
-    modules.into_iter().map(|module| text(module)).collect()
+    modules.into_iter().map(text).collect()
 }
 
 /// An instance of a module in a miter; `wire` gives what a port is connected to.
