@@ -15,7 +15,7 @@ const ENOUGH: u64 = 40_000;
 /// Compares random rays and boxes that touch or nearly touch with exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(100_000, 3_000_000, 50_000_000));
-    let (tally, is_stopped) = Campaign::new(4, cases).run_cases(request, |rng, tally| run(rng, tally))?;
+    let (tally, is_stopped) = Campaign::new(4, cases).run_cases(request, run)?;
     Ok(verdict(tally, is_stopped))
 }
 
@@ -170,8 +170,11 @@ fn is_right(geometry: &ExactIntersection, (hit, tmin): Answer) -> bool {
     geometry.required_hit.is_none_or(|required_hit| hit == required_hit) && (!hit || geometry.entry.may_round_to(tmin))
 }
 
+/// The answers for the four boxes of a case.
+type Answering = fn(&Case, Rules) -> [Answer; 4];
+
 /// The faulty implementations of the rules `bounds` that the campaign must find.
-const OUTER: [(&str, fn(&Case, Rules) -> [Answer; 4]); 3] = [
+const OUTER: [(&str, Answering); 3] = [
     ("near bounds without the margin", |case, rules| moved(case, rules, 4)),
     ("far bounds lowered by 60 numbers", |case, rules| moved(case, rules, -64)),
     ("bounds rounded to nearest", |case, _| datapath(Rules::Paper, case)),
