@@ -176,7 +176,7 @@ fn cut(right: &Dataflow, faulty: &Dataflow, is_behind: &[bool]) -> Option<NodeId
     faulty.ends().into_iter().for_each(|id| last[id.index()] = u32::MAX);
     let passes_all = |(place, id): (usize, &NodeId)| behind[..place].iter().all(|before| last[before.index()] <= id.0);
     let is_value = |id: &NodeId| graph.node(*id).kind != Kind::Order;
-    let found = behind.iter().enumerate().skip(1).filter(|(_, id)| is_value(id)).filter(|it| passes_all(*it)).last();
+    let found = behind.iter().enumerate().skip(1).filter(|(_, id)| is_value(id)).rfind(|it| passes_all(*it));
     let is_changed = |id: &NodeId| graph.node(*id).op != right.graph.node(*id).op || faulty.inverted == Some(*id);
     let (_, &found) = found?;
     (!behind.iter().any(|id| *id > found && is_changed(id))).then_some(found)
