@@ -21,6 +21,8 @@
 
 mod checks;
 pub mod exact;
+#[cfg(feature = "geometry")]
+pub mod geometry;
 pub mod layout;
 mod operations;
 mod spec;

@@ -1,6 +1,5 @@
 //! The operations against exact arithmetic. `docs/reference/error-bounds.md` derives the bounds.
 
-mod box_intersection;
 pub mod boxes;
 mod patches;
 pub mod sums;

@@ -7,7 +7,6 @@
 //! random cases on all cores.
 
 pub mod campaign;
-pub mod dyadic;
 pub mod equivalence;
 mod error;
 pub mod files;

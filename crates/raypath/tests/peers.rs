@@ -12,13 +12,9 @@
 //! | the sign of a sum or product that is zero | BlackParrot, pull request 1161; RSD, issue 92; libm (Rust), pull request 493 | [`sign_of_zero`]; pairs of edges in `raypath-verify/tests/units/binary32.rs` (`every_pair_of_edges`) |
 //! | leading zeros of subnormals miscounted | Hercules, issue 29 (SoftFloat's normalisation, a count below zero) | [`every_subnormal`] |
 //! | an unusual number of lanes: 1, or not a power of two, or more than tested | Spatz, pull request 86 (reductions over 8 lanes) | [`lane_counts`] |
-//! | a parameter that changes nothing | without a published source | [`parameters`] |
 //! | another latency in the model than in the hardware | without a published source | [`latency`]; for every configuration `configurations.rs` (the timing check of `RegressionChecks`) |
-//! | stimuli without variety | CVFPU's early vectorial tests | [`stimuli`] |
 
 mod every_subnormal;
 mod lane_counts;
 mod latency;
-mod parameters;
 mod sign_of_zero;
-mod stimuli;

@@ -4,7 +4,6 @@
 //! functional model, the cycle-exact model and the netlist ([`answers::answers`]).
 
 mod answers;
-mod exact;
 mod random;
 mod rule_1_direction;
 mod rule_2_slab_nan;
@@ -17,12 +16,8 @@ mod rule_8_reporting;
 
 mod accumulators;
 mod canonical_nan;
-mod exact_boxes;
-mod exact_sums;
-mod exact_triangles;
 mod golden_vectors;
 mod no_combinational_path;
 mod oracle;
 mod original_faults;
-mod rounding;
 mod timing;

@@ -1,12 +1,12 @@
 //! Ray against box: the hit is exact unless it depends on rounding, and tmin has an error of at most three roundings.
 
-use super::box_intersection::ExactIntersection;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{Aabb, Binary32, BoxBits, Job, Outcome, Ray, RayBoxInput, RayBoxOutput, Rules};
+use raypath_oracle::geometry::ExactIntersection;
+use raypath_oracle::geometry::dyadic::{U, ulps_of};
 use raypath_verify::campaign::{Campaign, Tally};
-use raypath_verify::dyadic::{U, ulps_of};
 use raypath_verify::{Error, Request, Verdict};
 
 /// The number of boxes after which each deliberate fault must have been found.

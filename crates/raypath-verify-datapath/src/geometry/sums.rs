@@ -5,8 +5,8 @@ use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{Beat, BeatInput, Binary32, Flags, Job, Outcome, Rounding, Rules};
+use raypath_oracle::geometry::dyadic::{Dyadic, U, within_gamma};
 use raypath_verify::campaign::{Campaign, Tally};
-use raypath_verify::dyadic::{Dyadic, U, within_gamma};
 use raypath_verify::{Error, Request, Verdict};
 
 /// One case of this many also runs on the wrong implementations.

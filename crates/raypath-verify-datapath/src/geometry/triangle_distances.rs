@@ -4,8 +4,8 @@ use super::watertight::datapath;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rounding, Rules};
+use raypath_oracle::geometry::dyadic::{Dyadic, U, ulps_of, within_gamma};
 use raypath_verify::campaign::{Campaign, Tally};
-use raypath_verify::dyadic::{Dyadic, U, ulps_of, within_gamma};
 use raypath_verify::{Error, Request, Verdict};
 
 /// One case of this many also runs on the wrong implementations.

@@ -3,7 +3,7 @@
 use super::patches::Patch;
 use super::vector::{Point, cross, dot, minus};
 use raypath_ops::{Binary32, Ray};
-use raypath_verify::dyadic::{Dyadic, U};
+use raypath_oracle::geometry::dyadic::{Dyadic, U};
 
 /// The position of a ray relative to a patch of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,7 +10,7 @@ pub fn rng(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
 
-/// Jobs of these operations, whose variety `peers/stimuli.rs` tests.
+/// Jobs of these operations.
 pub fn jobs(kinds: &[JobKind], seed: u64) -> impl Iterator<Item = Job> {
     let words = raypath::sim::jobs::random(&model(Rules::Paper), Format::BINARY32, seed, kinds);
     words.map(|words| Job::from_ports(words.kind().paper().unwrap(), |name| words.port(name)))

@@ -1,7 +1,7 @@
 //! The exact intersection of a ray and a box, and the results that rounding allows.
 
+use crate::geometry::dyadic::Dyadic;
 use raypath_ops::{Binary32, Ray};
-use raypath_verify::dyadic::Dyadic;
 use std::cmp::Ordering;
 
 /// A fraction with a positive denominator.
