@@ -1,6 +1,6 @@
 //! The fates of faults, and the verdict about a sample of them.
 
-use raypath_verify::{Error, Request, Verdict, files};
+use raypath_verify::{Error, Level, Request, Verdict, files};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -86,8 +86,9 @@ impl Report {
         count
     }
 
-    /// The verdict, after a list of the fates is written to a file. The lower end of the interval must reach the claim;
-    /// at level regression, whose sample is small, the upper end. A part of the work has no score of its own.
+    /// The verdict, after a list of the fates is written to a file. The lower end of the interval must reach the claim. At
+    /// level regression, whose sample is small, one fault more than the claim permits may survive. A part of the work has
+    /// no score of its own.
     ///
     /// # Errors
     /// The list cannot be written.
@@ -114,11 +115,14 @@ impl Report {
         }
         let checks: Vec<String> = checks.iter().map(|(check, count)| format!("{check}: {count}")).collect();
         verdict.remarks.push(format!("decided by {}; each fault: {list}", checks.join("; ")));
-        let (end, bound) = request.level.pick(("upper", 2), ("lower", 1), ("lower", 1));
-        if count.score()[bound] < CLAIM && !self.is_stopped && !request.parts.is_saved() {
+        let permitted = 1.0 + (1.0 - CLAIM) * (killed + survived) as f64;
+        let is_low = match request.level {
+            Level::Regression => survived as f64 > permitted,
+            Level::Full | Level::Long => count.score()[1] < CLAIM,
+        };
+        if is_low && !self.is_stopped && !request.parts.is_saved() {
             verdict.failures.push(format!(
-                "{score} of the faults are killed; the {end} end of the interval, {low} to {high}, must be at least \
-                 {:.1} %",
+                "{survived} survivors, and {score} of the faults are killed, {low} to {high}, expected at least {:.1} %",
                 100.0 * CLAIM
             ));
         }
@@ -129,7 +133,6 @@ impl Report {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_verify::Level;
 
     /// The interval of 2,346 killed of 2,359, and its limits.
     #[test]
@@ -162,6 +165,6 @@ mod tests {
             !verdict.failures.is_empty()
         };
         assert!(!fails(Level::Full, 2400, 20) && fails(Level::Full, 2400, 26) && fails(Level::Full, 120, 0));
-        assert!(!fails(Level::Regression, 12, 1) && fails(Level::Regression, 12, 2));
+        assert!(!fails(Level::Regression, 10, 1) && fails(Level::Regression, 12, 2));
     }
 }
