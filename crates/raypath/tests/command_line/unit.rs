@@ -88,7 +88,7 @@ fn wrong_parameters_of_the_unit_are_named() {
         ("--unit --unit-features motion", &["'motion'", "--unit-features", "instances"]),
         ("--unit --with sphere", &["--unit", "cannot be used with", "--with"]),
         ("--unit --jobs 5", &["--unit", "cannot be used with", "--jobs"]),
-        ("--unit --preset half", &["format e5s11", "expected format fp32"]),
+        ("--unit --preset half", &["format fp16, expected format fp32", "expected format fp32"]),
         ("--unit --rules chisel", &["rules chisel", "expected rules paper"]),
         ("--unit --tag 4", &["tag 4", "expected tag 0"]),
         ("--unit --preset quantised", &["quantised-boxes true", "expected quantised-boxes false"]),
