@@ -85,14 +85,20 @@ pub fn lint_slang(files: &[PathBuf]) -> Result<(), ToolError> {
 }
 
 /// Compiles a file with Icarus Verilog. Version 11 reads no types of packages: the file is one of words only
-/// ([`plain`](raypath_hdl::text::plain)).
+/// ([`plain`](raypath_hdl::text::plain)). It says of each `always_comb` that selects bits that all bits of the word are
+/// in the list of sensitivities, which changes no result; such lines are ignored.
 ///
 /// # Errors
-/// Icarus Verilog is missing, or reports anything.
+/// Icarus Verilog is missing, or reports anything else.
 pub fn lint_icarus(file: &Path, top: &str) -> Result<(), ToolError> {
     let mut command = Command::new("iverilog");
-    expect_silence(&ICARUS, ICARUS.output(command.args(["-g2012", "-t", "null", "-s", top]).arg(file))?)
+    let output = ICARUS.output(command.args(["-g2012", "-t", "null", "-s", top]).arg(file))?;
+    let is_other = |line: &&str| !line.ends_with(ALL_BITS_ARE_SENSITIVE);
+    expect_silence(&ICARUS, output.lines().filter(is_other).collect())
 }
+
+const ALL_BITS_ARE_SENSITIVE: &str =
+    "sorry: constant selects in always_* processes are not currently supported (all bits will be included).";
 
 fn expect_silence(program: &'static Program, output: String) -> Result<(), ToolError> {
     if output.trim().is_empty() { Ok(()) } else { Err(program.failed(output)) }

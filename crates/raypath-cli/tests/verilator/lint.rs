@@ -78,7 +78,7 @@ fn written(config: Config) -> Written {
     let datapath = Datapath::new(config).expect("a datapath");
     let folder = tempfile::tempdir().expect("a folder");
     let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
-    let plain = Sources::write(&plain(datapath.top()), &folder.path().join("all")).expect("plain sources").all;
+    let plain = Sources::write(&plain(datapath.top()), &folder.path().join("plain")).expect("plain sources").all;
     Written { _folder: folder, sources, plain }
 }
 
