@@ -63,9 +63,7 @@ def test_files_are_found_by_their_content(program: Path, run: Run, address: str,
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "items", [("testfloat",), ("mutation", "--jobs", "40"), ("control", "unit-proofs")]
-)
+@pytest.mark.parametrize("items", [("testfloat",), ("mutation", "--jobs", "40"), ("control", "unit-proofs")])
 def test_long_items_have_the_bytes_of_one_machine(
     items: tuple[str, ...], program: Path, run: Run, address: str, tmp_path: Path
 ) -> None:

@@ -22,9 +22,7 @@ def planned(program: Path, command: str, *words: str, shards: int = 3) -> Plan:
 
 
 def test_each_item_is_divided(program: Path, tmp_path: Path) -> None:
-    found = planned(
-        program, "verify", "--jobs=7", "models", "--out", str(tmp_path), "watertight", "--preset", "credit"
-    )
+    found = planned(program, "verify", "--jobs=7", "models", "--out", str(tmp_path), "watertight", "--preset", "credit")
     # The items are in the order in which raypath runs them.
     assert [part.name for part in found.parts] == ["watertight", "models"]
     assert [shard.command for shard in found.parts[0].shards] == [
@@ -114,7 +112,7 @@ def test_a_cache_that_others_may_write_is_refused(tmp_path: Path, monkeypatch: p
     assert folder.stat().st_mode & 0o777 == 0o700
     assert private_cache() == folder
     folder.chmod(0o770)
-    with pytest.raises(ClusterError, match="mode 770, expected a folder of user .* with mode 700"):
+    with pytest.raises(ClusterError, match=r"mode 770, expected a folder of user .* with mode 700"):
         private_cache()
     folder.rmdir()
     folder.symlink_to(tmp_path)

@@ -115,14 +115,14 @@ def _run(options: argparse.Namespace, arguments: list[str]) -> int:
 
 
 def _tls(options: argparse.Namespace) -> tuple[Path, Path, Path] | None:
-    """The files of ``--tls``, which must exist and belong to an address ``tls://...``, and such an address needs them."""
+    """The files of ``--tls``, which exist. An address ``tls://...`` needs them, and no other takes them."""
     is_encrypted = options.scheduler.startswith("tls://")
     if is_encrypted != (options.tls is not None):
         raise ClusterError(f"--scheduler {options.scheduler}: expected tls://HOST:PORT and --tls, both or neither")
     for path in options.tls or ():
         if not path.is_file():
             raise ClusterError(f"--tls {path}: no such file, expected a PEM file")
-    return tuple(options.tls) if options.tls else None
+    return (options.tls[0], options.tls[1], options.tls[2]) if options.tls else None
 
 
 def _merge(division: plan.Plan, outcome: Outcome, store: Store) -> int:
