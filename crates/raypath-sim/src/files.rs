@@ -124,7 +124,7 @@ mod tests {
         fs::write(&old, "old").expect("a file");
         // A file is not a folder.
         let files = [(old.clone(), "new"), (new.clone(), "new"), (old.join("below"), "new")];
-        assert_eq!(write_all(&files).expect_err("no folder").path, old.join("below"));
+        assert_eq!(write_all(&files).expect_err("no folder").path, old);
         assert_eq!(fs::read_to_string(&old).expect("the file"), "old");
         assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1);
     }

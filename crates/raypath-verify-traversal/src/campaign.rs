@@ -87,12 +87,7 @@ const UNITS: [Setting; 8] = [
 /// # Errors
 /// A unit cannot be built.
 pub fn units() -> Result<Vec<UnitNetlist>, Error> {
-    settings().map(|(config, parameters)| built(config, parameters)).collect()
-}
-
-/// The configurations of the campaign's datapaths, and the parameters of the units around them.
-pub fn settings() -> impl Iterator<Item = (Config, UnitParameters)> {
-    UNITS.into_iter().map(|(control, parameters)| (Config::DEFAULT.control(control), parameters))
+    UNITS.into_iter().map(|(control, parameters)| built(Config::DEFAULT.control(control), parameters)).collect()
 }
 
 /// What is random in an episode.
@@ -261,7 +256,7 @@ mod tests {
 
     #[test]
     fn one_episode_in_nine_walks_the_deepest_scene_to_its_end() {
-        for (_, parameters) in settings() {
+        for (_, parameters) in UNITS {
             let (episode, _) = Episode::of(parameters.step, 1, 8);
             assert_eq!((episode.behaviour.errors, episode.resets), (0, 0));
             let mut model = Unit::new(Rules::Paper, parameters.step);
