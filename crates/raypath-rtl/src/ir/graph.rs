@@ -40,7 +40,7 @@ pub enum Op {
     Continue(NodeId),
     /// A sum of two numbers.
     Add(NodeId, NodeId),
-    /// A sum of three or more terms. Its stage is the one in which it is available ([`sum_steps`]).
+    /// A sum of three or more terms. Its stage is the one in which it is available (`sum_steps`).
     Sum(Vec<NodeId>),
     /// The first number minus the second.
     Subtract(NodeId, NodeId),
