@@ -78,7 +78,9 @@ fn written(config: Config) -> Written {
     let datapath = Datapath::new(config).expect("a datapath");
     let folder = tempfile::tempdir().expect("a folder");
     let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
-    let plain = Sources::write(&plain(datapath.top()), &folder.path().join("plain")).expect("plain sources").all;
+    let own = folder.path().join("plain");
+    std::fs::create_dir(&own).expect("a folder");
+    let plain = Sources::write(&plain(datapath.top()), &own).expect("plain sources").all;
     Written { _folder: folder, sources, plain }
 }
 
