@@ -14,7 +14,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 PICTURE = ("render", "--size", "40x31", "--ao", "1", "--shadows", "--heatmap", "heat.png", "--hits", "hits.txt")
 COMMANDS = [
-    ("verify", "campaign", "models", "boxes", "testfloat", "parsers", "--jobs", "300", "--seed", "5"),
+    ("verify", "campaign", "models", "boxes", "testfloat", "--jobs", "300", "--seed", "5"),
     # The simulation follows the merge.
     (*PICTURE, "--timed", "200", "--sweep", "sweep.svg"),
     # Fewer rows than shards.
