@@ -4,6 +4,7 @@ use crate::mesh::{Bounds, Mesh};
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::{BvhBuildParams, triangle::Triangle as PeerTriangle};
 use raypath_ops::{Aabb, Binary32, Triangle};
+use std::collections::HashMap;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -130,8 +131,9 @@ impl Bvh4 {
 
     /// The tree of a mesh with at most `levels` levels, which must be enough for a balanced tree.
     fn within(mesh: &Mesh, reach: f32, levels: u32) -> Self {
-        let tree = binary_tree(mesh);
-        let mut collapse = Collapse::new(mesh, &tree, reach, levels);
+        let groups = Groups::of(mesh);
+        let tree = binary_tree(mesh, &groups.first);
+        let mut collapse = Collapse::new(mesh, &groups, &tree, reach, levels);
         collapse.run();
         collapse.bvh
     }
@@ -170,21 +172,62 @@ impl Bvh4 {
     }
 }
 
-/// The binary tree before its collapse, built by obvhs with equal costs for a triangle test and a test of four boxes.
-pub(crate) fn binary_tree(mesh: &Mesh) -> Bvh2 {
+/// The binary tree of these triangles before its collapse, built by obvhs with equal costs for a triangle test and a test
+/// of four boxes.
+pub(crate) fn binary_tree(mesh: &Mesh, triangles: &[u32]) -> Bvh2 {
     let parameters =
         BvhBuildParams { max_prims_per_leaf: 4, collapse_traversal_cost: 1.0, ..BvhBuildParams::medium_build() };
-    build_bvh2_from_tris(&peer_triangles(mesh), parameters, &mut Duration::default())
+    build_bvh2_from_tris(&peer_triangles(mesh, triangles), parameters, &mut Duration::default())
 }
 
-pub(crate) fn peer_triangles(mesh: &Mesh) -> Vec<PeerTriangle> {
-    let corners = (0..mesh.triangles().len() as u32).map(|index| mesh.corners(index));
+pub(crate) fn peer_triangles(mesh: &Mesh, triangles: &[u32]) -> Vec<PeerTriangle> {
+    let corners = triangles.iter().map(|&index| mesh.corners(index));
     corners.map(|[a, b, c]| PeerTriangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect()
+}
+
+/// The triangles of a mesh. Those that have one box, if they are more than a leaf holds, are a group, because obvhs takes
+/// a time that grows with the square of their number. Every other triangle is a group of its own.
+struct Groups {
+    /// The first triangle of each group.
+    first: Vec<u32>,
+    /// The triangles of each group of several, by its first.
+    several: HashMap<u32, Vec<u32>>,
+}
+
+impl Groups {
+    fn of(mesh: &Mesh) -> Self {
+        let triangles = 0..mesh.triangles().len() as u32;
+        let place = |index: u32| {
+            let Bounds { min, max } = mesh.corners(index).into_iter().fold(Bounds::EMPTY, Bounds::with);
+            [min, max].map(|corner| corner.map(f32::to_bits))
+        };
+        let mut counts: HashMap<_, u32> = HashMap::new();
+        triangles.clone().for_each(|index| *counts.entry(place(index)).or_default() += 1);
+        counts.retain(|_, count| *count > Reference::MAX_IN_LEAF);
+        let (mut first, mut firsts, mut several) = (Vec::new(), HashMap::new(), HashMap::new());
+        for index in triangles {
+            let place = place(index);
+            if !counts.contains_key(&place) {
+                first.push(index);
+                continue;
+            }
+            let own = *firsts.entry(place).or_insert(index);
+            first.extend((own == index).then_some(index));
+            several.entry(own).or_insert_with(Vec::new).push(index);
+        }
+        Self { first, several }
+    }
+
+    /// The triangles of the group with this number.
+    fn triangles(&self, number: u32) -> &[u32] {
+        let first = &self.first[number as usize];
+        self.several.get(first).map_or(std::slice::from_ref(first), Vec::as_slice)
+    }
 }
 
 /// The conversion of a binary tree to one with four children per node.
 ///
-/// Triangles in the same place make binary trees as deep as a list, because every division of them looks alike. So the
+/// Triangles that nest make binary trees as deep as a list, because every division of them looks alike. So the
 /// binary tree is followed only where the levels that are left suffice for a balanced tree of the triangles of each
 /// child. Elsewhere the triangles are divided by their position in the list.
 struct Collapse<'m> {
@@ -192,8 +235,10 @@ struct Collapse<'m> {
     tree: &'m Bvh2,
     /// The number of triangles below each node of the binary tree.
     counts: Vec<u32>,
-    /// The triangles in the order of the binary tree, then those of its parts that are divided by position.
+    /// The triangles of the leaves of the binary tree, then those of its parts that are divided by position.
     order: Vec<u32>,
+    /// The place of the triangles of each leaf of the binary tree in that list.
+    firsts: Vec<u32>,
     max_levels: u32,
     pad: f64,
     bvh: Bvh4,
@@ -218,16 +263,23 @@ struct Task {
 }
 
 impl<'m> Collapse<'m> {
-    fn new(mesh: &'m Mesh, tree: &'m Bvh2, reach: f32, max_levels: u32) -> Self {
+    fn new(mesh: &'m Mesh, groups: &Groups, tree: &'m Bvh2, reach: f32, max_levels: u32) -> Self {
         let pad = 12.0 * f64::from(f32::EPSILON / 2.0) * f64::from(reach);
         let bvh = Bvh4 { nodes: Vec::new(), triangles: Vec::new(), indices: Vec::new(), stack: 0, levels: 0, reach };
-        let mut counts = vec![0; tree.nodes.len()];
+        let (mut counts, mut firsts, mut order) = (vec![0; tree.nodes.len()], vec![0; tree.nodes.len()], Vec::new());
         for &node in nodes_below(tree, 0).iter().rev() {
             let data = &tree.nodes[node as usize];
-            let first = data.first_index as usize;
-            counts[node as usize] = if data.is_leaf() { data.prim_count } else { counts[first] + counts[first + 1] };
+            let (node, first) = (node as usize, data.first_index as usize);
+            if data.is_leaf() {
+                firsts[node] = order.len() as u32;
+                let groups_here = &tree.primitive_indices[first..first + data.prim_count as usize];
+                order.extend(groups_here.iter().flat_map(|&group| groups.triangles(group)));
+                counts[node] = order.len() as u32 - firsts[node];
+            } else {
+                counts[node] = counts[first] + counts[first + 1];
+            }
         }
-        Self { mesh, tree, counts, order: tree.primitive_indices.clone(), max_levels, pad, bvh }
+        Self { mesh, tree, counts, order, firsts, max_levels, pad, bvh }
     }
 
     fn run(&mut self) {
@@ -286,7 +338,7 @@ impl<'m> Collapse<'m> {
     fn part(&self, node: u32) -> Subtree {
         let data = &self.tree.nodes[node as usize];
         if data.is_leaf() {
-            Subtree::Range { first: data.first_index, count: data.prim_count }
+            Subtree::Range { first: self.firsts[node as usize], count: self.counts[node as usize] }
         } else {
             Subtree::Inner(node)
         }
@@ -312,25 +364,25 @@ impl<'m> Collapse<'m> {
         }
     }
 
-    /// Splits a part into up to four, by repeatedly splitting the one with the greatest surface, which rays hit most
-    /// often.
+    /// Splits a part into up to four, by repeatedly splitting the greatest.
     fn split(&self, part: Subtree) -> Vec<Subtree> {
         let mut parts = vec![part];
         while parts.len() < 4 {
             let divisible = parts.iter().enumerate().filter_map(|(index, part)| Some((index, self.size(*part)?)));
-            let Some((index, _)) = divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) else { break };
+            let greatest = divisible.max_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            let Some((index, _)) = greatest else { break };
             let halves = self.halves(parts.swap_remove(index));
             parts.extend(halves);
         }
         parts
     }
 
-    /// The size of a divisible part, for comparison with others of its kind: the surface, or the number of triangles.
-    /// `None` for a leaf.
-    fn size(&self, part: Subtree) -> Option<f32> {
+    /// The size of a divisible part, for comparison: the triangles of a range, then the surface of a node, because rays
+    /// hit the greatest most often. `None` for a leaf.
+    fn size(&self, part: Subtree) -> Option<(u32, f32)> {
         match part {
-            Subtree::Inner(node) => Some(self.tree.nodes[node as usize].aabb().half_area()),
-            Subtree::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some(count as f32),
+            Subtree::Inner(node) => Some((0, self.tree.nodes[node as usize].aabb().half_area())),
+            Subtree::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some((count, 0.0)),
         }
     }
 
@@ -392,11 +444,13 @@ mod tests {
     use crate::blocks::{Blocks, BlocksError};
     use raypath_traversal::blocks::NodeKind;
 
-    /// A deeper tree than those of [`Bvh4::build`], as the binary tree of triangles in one place is, has no blocks.
+    /// A deeper tree than those of [`Bvh4::build`], as the binary tree of nested triangles is, has no blocks.
     #[test]
     fn a_tree_that_is_too_deep_for_the_unit_is_refused() {
-        let corners = vec![[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
-        let mesh = Mesh::new(corners, vec![[0, 1, 2]; 5000]).expect("a mesh");
+        // Triangles of growing size at one corner.
+        let corners = (0..1000).flat_map(|n| [[0.0, 0.0, 1.0], [1.0 + n as f32, 0.0, 1.0], [0.0, 1.0 + n as f32, 1.0]]);
+        let triangles = (0..1000).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+        let mesh = Mesh::new(corners.collect(), triangles).expect("a mesh");
         let deep = Bvh4::within(&mesh, 16.0, u32::MAX);
         let levels = deep.levels();
         assert!(levels > 64, "{levels} levels");

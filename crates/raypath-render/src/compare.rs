@@ -46,8 +46,9 @@ pub fn compare(
     runs: u32,
     progress: Progress,
 ) -> Result<Comparison, Stopped> {
-    let tree = binary_tree(scene.mesh());
-    let triangles = peer_triangles(scene.mesh());
+    let all: Vec<u32> = (0..scene.mesh().triangles().len() as u32).collect();
+    let tree = binary_tree(scene.mesh(), &all);
+    let triangles = peer_triangles(scene.mesh(), &all);
     // In the order of leaves, which is fastest for obvhs.
     let triangles: Vec<_> = tree.primitive_indices.iter().map(|&index| triangles[index as usize]).collect();
     let peer_rays: Vec<PeerRay> = rays.iter().map(peer_ray).collect();

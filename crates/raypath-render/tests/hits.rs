@@ -1,6 +1,6 @@
 //! The hits of the tracer, compared with exact geometry and with brute force over all triangles.
 //!
-//! `RAYPATH_RAYS` is the number of rays of each kind per mesh, by default 5,000, half of them two-sided. `RAYPATH_MESH`
+//! `RAYPATH_RAYS` is the number of rays of each kind per mesh, by default 2,000, half of them two-sided. `RAYPATH_MESH`
 //! selects one mesh. The campaign traces a million rays per mesh:
 //! `RAYPATH_RAYS=250000 cargo test --release -p raypath-render --test integration -- hits watertight --nocapture`.
 
@@ -12,7 +12,7 @@ use raypath_ops::{Binary32, Operation, Ray, RayTriangle, RayTriangleInput, Round
 use raypath_render::{Hit, Mesh, Scene, Tracing, trace_any, trace_closest};
 
 fn ray_count() -> usize {
-    std::env::var("RAYPATH_RAYS").map_or(5_000, |count| count.parse().unwrap())
+    std::env::var("RAYPATH_RAYS").map_or(2_000, |count| count.parse().unwrap())
 }
 
 #[test]

@@ -121,6 +121,48 @@ fn the_unit_draws_the_same_picture() {
     assert!(!folder.path().join("other.bin").exists());
 }
 
+/// Many triangles in one place are hit through the unit as through the datapath. A ray that the unit ends with an error
+/// is no miss: the command says so and ends with 1.
+#[test]
+fn the_unit_misses_nothing_in_silence() {
+    let folder = folder();
+    let at = |name: &str, text: &str| file(folder.path(), name, text);
+    let triangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\n";
+    let rays = at("rays.txt", "0.25 0.25 5 0 0 -1 inf\n");
+    for copies in [200, 5_000] {
+        let mesh = at("coincident.obj", &(triangle.to_string() + &"f 1 2 3\n".repeat(copies)));
+        for through in ["datapath", "unit"] {
+            let said = page::succeeds(&["render", &mesh, "--rays", &rays, "--no-timing", "--through", through]);
+            assert!(said.lines().any(|line| line.starts_with("0 4e0 ")), "{copies}, {through}: {said}");
+        }
+    }
+    // An instance so large that the second ray is too short to invert in the space of the mesh.
+    let small = at("small.obj", "v 0 0 1e-9\nv 1e-9 0 1e-9\nv 0 1e-9 1e-9\nf 1 2 3\n");
+    let places = at("places.txt", "1e9 0 0 0 0 1e9 0 0 0 0 1e9 0\n");
+    let rays = at("short.txt", "0.25 0.25 5 0 0 -1 inf\n0.25 0.25 5 0 0 -1e-30 inf\n");
+    let hits = text(&folder.path().join("hits.txt"));
+    let arguments = ["render", &small, "--instances", &places, "--rays", &rays, "--hits", &hits, "--through", "unit"];
+    ends_with(&arguments, 1, &["what 1 rays hit is not known", "ended 1 with status 3"]);
+    assert!(!Path::new(&hits).exists());
+}
+
+/// Input that takes more memory than the limit is an error that names the file, the size and the limit.
+#[test]
+fn memory_is_limited() {
+    let folder = folder();
+    let (square, rays) =
+        (file(folder.path(), "square.obj", SQUARE), file(folder.path(), "rays.txt", "0 0 9 0 0 1 inf"));
+    let out = text(&folder.path().join("out"));
+    let of_mesh = ["square.obj: ", "3 triangles take 1536 bytes of memory, expected at most 1535", "--max-memory"];
+    for command in ["render", "scene"] {
+        ends_with(&[command, &square, "--max-memory", "1535", "--out", &out], 2, &of_mesh);
+        ends_with(&[command, &square, "--max-memory", "2GB", "--out", &out], 2, &["'2GB'", "like 8GiB"]);
+    }
+    page::succeeds(&["scene", &square, "--max-memory", "2KiB", "--out", &out]);
+    let of_rays = ["rays.txt: 1 lines take 256 bytes", "at most 200"];
+    ends_with(&["render", &square, "--rays", &rays, "--max-memory", "200"], 2, &of_rays);
+}
+
 #[test]
 fn wrong_input_is_named() {
     let folder = folder();

@@ -85,7 +85,9 @@ fn wrong_input_is_named() {
     let far = file(at, "far.ivecs", ivecs(&[&[1], &[5]]));
     let short = file(at, "short.ivecs", ivecs(&[&[1]]));
     let out = text(&at.join("found.ivecs"));
-    let cases: [(&[&str], &[&str]); 18] = [
+    let limit = ["base.fvecs: 5 vectors of 3 coordinates take 2680 bytes of memory", "at most 2679", "--max-memory"];
+    let cases: [(&[&str], &[&str]); 19] = [
+        (&[&base, &queries, "--max-memory", "2679"], &limit),
         (&["/nonexistent/base.fvecs", &queries], &["/nonexistent/base.fvecs", "No such file"]),
         (&[&base], &["base.fvecs", "queries", "no file of queries"]),
         (&[&base, &flat], &["flat.fvecs", "dimensions", "found 2", "expected 3"]),
