@@ -2,7 +2,6 @@
 
 mod any_operations;
 mod check;
-mod configurations;
 mod golden;
 mod isolation;
 #[path = "../../raypath/tests/recorded/mod.rs"]

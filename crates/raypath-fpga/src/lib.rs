@@ -33,6 +33,6 @@ pub use device::{Device, ParseDeviceError, Target};
 pub use flow::{Flow, Implementation};
 pub use frame::{Field, Frame, StreamWidth};
 pub use host::{Comparison, Host};
-pub use raypath_tools::pool::Progress;
+pub use raypath_work::pool::Progress;
 pub use report::{Cells, Report, Setting, Stage, Step, Use};
 pub use shell::Shell;

@@ -5,8 +5,8 @@ use crate::gates::{Cell, Gates, ONE, ZERO};
 use crate::logic::Output;
 use crate::{Bench, Design, Error};
 use raypath_hdl::{Builder, Module, Wire, verilog};
-use raypath_tools::pool::{self, Progress};
 use raypath_tools::{Cache, ToolError};
+use raypath_work::pool::{self, Progress};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

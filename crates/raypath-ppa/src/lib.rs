@@ -60,7 +60,7 @@ pub use equivalents::SynthesisedUnit;
 pub use error::Error;
 pub use library::{Cell, DEFAULT_LIBRARY, Library};
 pub use power::PowerResults;
-pub use raypath_tools::pool::Progress;
+pub use raypath_work::pool::Progress;
 pub use report::{
     Area, DesignPoint, Exploration, Path, Power, Report, Setting, Slowest, Stage, StagePower, Step, Units,
     WorkloadPower,

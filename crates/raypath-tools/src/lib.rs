@@ -37,10 +37,6 @@ mod input;
 mod lint;
 mod nextpnr;
 mod opensta;
-#[cfg(feature = "parts")]
-pub mod parts;
-#[cfg(feature = "pool")]
-pub mod pool;
 mod program;
 mod smt;
 mod sources;

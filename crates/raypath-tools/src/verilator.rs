@@ -4,7 +4,6 @@ use crate::files::{read, temporary_folder, write};
 use crate::verilator_coverage::{CoveragePoint, NO_INLINING, points};
 use crate::{Program, Sources, ToolError, verilator_main, verilator_stream};
 use raypath_hdl::Module;
-use std::collections::BTreeSet;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
@@ -36,8 +35,6 @@ pub struct Options {
     /// Whether lines, branches and toggles are counted, for [`Verilated::coverage`]. Such programs are many times as
     /// large.
     pub coverage: bool,
-    /// The modules that are not counted: they and their simulation are as small and as fast as without coverage.
-    pub uncounted: BTreeSet<String>,
     /// A folder that keeps compiled programs, so that none is compiled twice from the same texts. By default the one
     /// that the environment variable `RAYPATH_VERILATED` names.
     pub kept: Option<PathBuf>,
@@ -47,7 +44,7 @@ impl Default for Options {
     fn default() -> Self {
         let jobs = std::thread::available_parallelism().map_or(1, usize::from);
         let kept = std::env::var_os("RAYPATH_VERILATED").map(PathBuf::from);
-        Self { c_optimisation: 0, native: false, jobs, coverage: false, uncounted: BTreeSet::new(), kept }
+        Self { c_optimisation: 0, native: false, jobs, coverage: false, kept }
     }
 }
 
@@ -300,9 +297,8 @@ fn compile(
         command.args(["--output-split", "1000000000"]);
     }
     if options.coverage {
-        let uncounted = options.uncounted.iter().map(|module| format!("coverage_off -file \"*/{module}.sv\"\n"));
         let configuration = folder.join("coverage.vlt");
-        write(&configuration, &(NO_INLINING.to_string() + &uncounted.collect::<String>()))?;
+        write(&configuration, NO_INLINING)?;
         command.arg("--coverage").arg(configuration);
     }
     if options.native {
@@ -343,11 +339,11 @@ fn ended(program: &Path, output: String) -> ToolError {
 
 /// The place of the program of these texts in the folder of kept programs, if there is one.
 fn kept_program(files: &[PathBuf], top: &Module, main: &str, options: &Options) -> Result<Option<PathBuf>, ToolError> {
-    let Options { c_optimisation, native, coverage, uncounted, kept: Some(folder), .. } = options else {
+    let Options { c_optimisation, native, coverage, kept: Some(folder), .. } = options else {
         return Ok(None);
     };
     let mut key = DefaultHasher::new();
-    (VERILATOR.version()?, top.name(), main, c_optimisation, native, coverage, uncounted).hash(&mut key);
+    (VERILATOR.version()?, top.name(), main, c_optimisation, native, coverage).hash(&mut key);
     for file in files {
         read(file)?.hash(&mut key);
     }

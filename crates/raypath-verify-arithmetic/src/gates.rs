@@ -5,10 +5,10 @@ use crate::units::proofs::{Proof, prove};
 use raypath_float::Format;
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, SynthesisedUnit};
 use raypath_rtl::{Config, Datapath, Lanes, UnitLatency};
-use raypath_tools::pool::{self, Progress};
 use raypath_tools::{OpenSta, Yosys};
 use raypath_verify::equivalence::miter;
 use raypath_verify::{Error, Request, Verdict};
+use raypath_work::pool::{self, Progress};
 use std::collections::BTreeMap;
 use std::path::Path;
 

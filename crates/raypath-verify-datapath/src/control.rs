@@ -21,9 +21,9 @@ use crate::subjects::Subject;
 use raypath_hdl::with_enables;
 use raypath_rtl::{Config, Control, Interval, Lanes};
 use raypath_tools::Key;
-use raypath_tools::pool;
 use raypath_verify::safety::{CheckResult, Method, ModelChecker, ModuleTexts, SafetyProblem};
 use raypath_verify::{Error, Level, Request, Verdict};
+use raypath_work::pool;
 use std::collections::HashSet;
 
 /// Proves the control of the level's datapaths, or of the one that the request names. Datapaths whose text is the same

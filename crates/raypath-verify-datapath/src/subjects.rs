@@ -1,9 +1,9 @@
 //! The datapaths that campaigns run: a configuration, and added operations.
 
+use crate::covering::{Space, presets_and_pairs};
 use raypath_float::Format;
-use raypath_ops::{BoxBits, Culling, Rounding, Rules};
 use raypath_oracle::added_operations;
-use raypath_rtl::{Accumulators, Config, Interval, Lanes, Multiplier, PRESETS, UnitLatency};
+use raypath_rtl::{Config, Lanes};
 use raypath_sim::Datapath;
 use raypath_verify::Request;
 use std::fmt;
@@ -55,35 +55,11 @@ impl fmt::Display for Subject {
     }
 }
 
-/// The formats besides the presets', from the least to the greatest.
-const FORMATS: [&str; 9] = ["bf16", "tf32", "e3s3", "e3s5", "e4s7", "e5s8", "e6s19", "e11s3", "e11s24"];
-
-/// All datapaths of the campaigns: each preset, feature, added operation and number of lanes, several formats, the
-/// other rules and the other rounding, and combinations of them.
+/// All datapaths of the campaigns: the presets, every pair of values of two parameters, and the added operations.
 pub fn all() -> Vec<Subject> {
     let small = Config::DEFAULT.lanes(Lanes::Two);
     let boxes = Config::DEFAULT.lanes(Lanes::None);
-    let bounds = |bits| boxes.rules(Rules::Bounds(BoxBits::DEFAULT)).box_bits(BoxBits(bits));
-    let mut configs: Vec<Config> = PRESETS.iter().map(|preset| preset.config).collect();
-    configs.extend(Lanes::ALL.iter().map(|&lanes| Config::DEFAULT.lanes(lanes)));
-    configs.extend(Lanes::ALL.iter().map(|&lanes| Config::DEFAULT.lanes(lanes).rounding(Rounding::Sum)));
-    let formats = FORMATS.iter().filter_map(|name| name.parse().ok());
-    configs.extend(formats.map(|format| small.lanes(Lanes::Four).format(format)));
-    configs.extend((8..=24).map(bounds));
-    configs.extend([
-        small.tag(32),
-        small.barycentrics(true).facing(true),
-        small.culling(Culling::Front),
-        small.range(true).culling(Culling::None),
-        small.range(true).culling(Culling::None).rules(Rules::Chisel),
-        small.exception_flags(true).range(true).conservative(true),
-        bounds(13).exception_flags(true),
-        small.multiplier(Multiplier::Inferred).unit_latency(UnitLatency::Two),
-        small.interval(Interval::Four),
-    ]);
-    let accumulators = Accumulators::ALL.iter().skip(1);
-    configs.extend(accumulators.map(|&accumulators| small.lanes(Lanes::Four).accumulators(accumulators)));
-    let mut subjects: Vec<Subject> = configs.into_iter().map(Subject::from).collect();
+    let mut subjects: Vec<Subject> = presets_and_pairs(&Space::new(&|_| true)).into_iter().map(Subject::from).collect();
     subjects.extend([
         Subject::with(boxes, &["key_compare", "octbox"]),
         Subject::with(boxes, &["point_in_box", "sphere"]),

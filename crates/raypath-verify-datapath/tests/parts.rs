@@ -3,10 +3,10 @@
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::shape;
-use raypath_tools::parts::{Part, Parts};
 use raypath_verify::{Error, Request, Verdict};
 use raypath_verify_datapath::campaign::verify_module;
 use raypath_verify_datapath::{ITEMS, campaign, models};
+use raypath_work::parts::{Part, Parts};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

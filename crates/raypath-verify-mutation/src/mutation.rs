@@ -9,8 +9,8 @@ use mutant::{Mutant, Subject, choose, subjects};
 use raypath_hdl::mutate::replace;
 use raypath_rtl::Config;
 use raypath_sim::lockstep::CONFIGS;
-use raypath_tools::pool::{self, Shard};
 use raypath_verify::{Error, Level, Request, Verdict};
+use raypath_work::pool::{self, Shard};
 use std::sync::Arc;
 use trial::Trial;
 

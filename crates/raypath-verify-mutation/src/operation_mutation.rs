@@ -17,9 +17,10 @@ use question::Known;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
-use raypath_tools::{SmtSolver, ToolError, pool};
+use raypath_tools::{SmtSolver, ToolError};
 use raypath_verify::{Error, Request, Verdict};
 use raypath_verify_datapath::oracle::Oracle;
+use raypath_work::pool;
 use std::sync::atomic::AtomicBool;
 use subjects::{OracleOf, Planned, Subject, plan};
 

@@ -4,7 +4,7 @@
 use crate::{Error, Request, Verdict};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use raypath_tools::pool;
+use raypath_work::pool;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -23,7 +23,7 @@ pub enum Error {
     Subject(Box<dyn std::error::Error + Send + Sync>),
     /// A text names no shard.
     #[error(transparent)]
-    Shard(#[from] raypath_tools::pool::ShardError),
+    Shard(#[from] raypath_work::pool::ShardError),
 }
 
 impl Error {

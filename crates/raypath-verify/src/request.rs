@@ -1,9 +1,9 @@
 //! What to verify, how much of it, and which part; and what was found.
 
 use raypath_rtl::Config;
-use raypath_tools::parts::Parts;
-use raypath_tools::pool::Cases;
-pub use raypath_tools::pool::{Progress, Shard, ShardError};
+use raypath_work::parts::Parts;
+use raypath_work::pool::Cases;
+pub use raypath_work::pool::{Progress, Shard, ShardError};
 use std::str::FromStr;
 
 /// The parameters of a verification, and the function that watches it.

@@ -2,8 +2,8 @@
 
 use crate::bench::{all, unless_stopped};
 use crate::{Bench, Design, Error, Report};
-use raypath_tools::pool::{self, Progress};
 use raypath_tools::{Cache, Key, digest};
+use raypath_work::pool::{self, Progress};
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 

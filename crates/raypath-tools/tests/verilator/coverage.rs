@@ -2,7 +2,6 @@
 
 use raypath_hdl::Builder;
 use raypath_tools::{CoverageKind, Options, Sources, Verilated};
-use std::collections::BTreeSet;
 
 /// How often each point of a register with an enable is reached, of inputs below 2.
 #[test]
@@ -36,28 +35,4 @@ fn lines_branches_and_toggles_are_counted() {
     let holding = hits(0, CoverageKind::Branch, "if");
     assert!(loading != holding && !loading.is_empty(), "{loading:?} {holding:?}");
     assert!(!hits(1, CoverageKind::Line, "block").is_empty());
-}
-
-#[test]
-fn modules_that_are_not_counted_have_no_points() {
-    let inverter = Builder::new("inverter");
-    inverter.output("a_o", !inverter.input("a_i", 1));
-    let inverter = inverter.finish().expect("a module");
-    let m = Builder::new("two");
-    let mut a = m.input("a_i", 1);
-    for name in ["first", "second"] {
-        a = m.instance(name, &inverter, &[("a_i", a)])[0];
-    }
-    m.output("a_o", a);
-    let top = m.finish().expect("a module");
-    for (uncounted, expected) in [(vec![], vec!["inverter", "two"]), (vec!["inverter"], vec!["two"])] {
-        let folder = tempfile::tempdir().expect("a folder");
-        let files = Sources::write(&top, folder.path()).expect("sources").files;
-        let uncounted = uncounted.into_iter().map(str::to_string).collect();
-        let options = Options { coverage: true, uncounted, ..Options::default() };
-        let verilated = Verilated::build_sources(&files, &top, folder.path(), &options).expect("a build");
-        let points = verilated.coverage((0..4).map(|cycle| vec![cycle % 2]), |_, _| ()).expect("a run");
-        let modules: BTreeSet<&str> = points.iter().map(|point| point.module.as_str()).collect();
-        assert_eq!(modules, expected.into_iter().collect());
-    }
 }

@@ -1,7 +1,7 @@
 //! Numbered cases in phases, on all cores.
 
-use raypath_tools::pool::{self, Cases};
 use raypath_verify::{Error, Progress, Request, Verdict};
+use raypath_work::pool::{self, Cases};
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

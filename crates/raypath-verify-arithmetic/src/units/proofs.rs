@@ -15,9 +15,10 @@ pub use subject::{Operands, Subject, Unit};
 
 use product::Multiplier;
 use raypath_float::{DivSqrt, Format, Narrow};
-use raypath_tools::{ToolError, pool};
+use raypath_tools::ToolError;
 use raypath_verify::sat::{Miter, ProofResult, Prover};
 use raypath_verify::{Error, Level, Progress, Request, Verdict};
+use raypath_work::pool;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;

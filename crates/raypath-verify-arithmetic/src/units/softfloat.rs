@@ -6,8 +6,9 @@ use super::operands;
 use super::testfloat::{BLOCK, Level, Pairs};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use raypath_tools::{grouped, pool::Cases};
+use raypath_tools::grouped;
 use raypath_verify::{Error, Request, Verdict};
+use raypath_work::pool::Cases;
 use softfloat_rs::{f32_add, f32_div, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sqrt, f32_sub, float32_t};
 
 /// Compares sums, differences, products, quotients, roots and comparisons of TestFloat's cases and of operands that are

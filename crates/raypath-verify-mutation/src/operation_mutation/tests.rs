@@ -2,9 +2,9 @@ use super::*;
 use rand::RngExt;
 use raypath_model::WordModel;
 use raypath_ops::{Binary32, Circuit, Narrowing, Single};
-use raypath_tools::pool::Shard;
 use raypath_verify_datapath::oracle::Mistake;
 use raypath_verify_datapath::subjects::Subject as Tested;
+use raypath_work::pool::Shard;
 
 fn right(tested: &Tested, model: &WordModel) -> Oracle {
     Oracle::new(tested.config.semantics, model)

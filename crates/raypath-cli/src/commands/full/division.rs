@@ -3,8 +3,8 @@
 use crate::CliError;
 use clap::Args;
 use raypath_sim::files::write_all;
-use raypath_tools::parts::{Part, Parts, Task};
-use raypath_tools::pool::Shard;
+use raypath_work::parts::{Part, Parts, Task};
+use raypath_work::pool::Shard;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

@@ -32,7 +32,8 @@ pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
 
 /// Measures exact search, on one core and on all cores.
 pub fn distances(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
-    let clusters = Clusters { vectors: 20_000, queries: 256, dimensions: 128, ..Clusters::default() };
+    let queries = 32 * repetitions.div_ceil(5);
+    let clusters = Clusters { vectors: 20_000, queries, dimensions: 128, ..Clusters::default() };
     let set = clusters.generate().map_err(CliError::unusable)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     for metric in Metric::ALL {

@@ -7,7 +7,7 @@ use raypath_ops::{Binary32, Ray};
 use raypath_render::{
     Camera, Costs, Counts, Hit, Rendering, Rows, Scene, Shading, Tracing, render_rows, trace_closest,
 };
-use raypath_tools::parts::Parts;
+use raypath_work::parts::Parts;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Instant;

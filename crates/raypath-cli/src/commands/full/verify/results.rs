@@ -22,7 +22,7 @@ pub struct Results {
     is_clean: bool,
     /// The digest of `Cargo.lock`, as `git hash-object` prints it.
     lock: Option<String>,
-    /// The versions of the installed programs that took part.
+    /// The versions of the programs that items use, as far as they are installed.
     programs: BTreeMap<String, String>,
     /// The processors of the machine.
     cores: usize,

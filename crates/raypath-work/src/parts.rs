@@ -3,7 +3,7 @@
 //! the merged result has the bytes that one machine would write.
 
 use crate::pool::Shard;
-use crate::{ToolError, read};
+use raypath_tools::{ToolError, read};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -3,8 +3,8 @@
 //! The threads are rayon's. Cases begin in the order of their numbers, so that all cases before a case that has run
 //! have run too: the first failure does not depend on the number of workers.
 
-use crate::ToolError;
 use rayon::ThreadPoolBuilder;
+use raypath_tools::ToolError;
 use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
