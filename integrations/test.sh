@@ -8,8 +8,8 @@ if [ $# -lt 2 ]; then
   echo 'integrations/test.sh: expected PREFIX BUILD [--long]' >&2
   exit 2
 fi
-configurations=paper
-if [ "${3:-}" = --long ]; then configurations='paper;credit'; fi
+configurations=skid
+if [ "${3:-}" = --long ]; then configurations='skid;credit'; fi
 
 cmake -S "$(dirname "$0")" -B "$2" -DCMAKE_PREFIX_PATH="$(realpath "$1")" -DRAYPATH_CONFIGURATIONS="$configurations"
 cmake --build "$2" --parallel 2

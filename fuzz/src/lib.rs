@@ -15,8 +15,8 @@ use raypath_rtl::{
 };
 use raypath_sim::configuration::{parse, parse_sweep};
 use raypath_sim::transactions::{Transaction, read_from};
-use raypath_tools::pool::Shard;
 use raypath_verify::Level;
+use raypath_work::pool::Shard;
 use std::fmt::Display;
 use std::path::Path;
 use std::str::FromStr;

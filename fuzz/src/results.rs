@@ -2,7 +2,7 @@
 
 use raypath_sim::traffic::{parse_recorded, recorded_text};
 use raypath_tools::ToolError;
-use raypath_tools::parts::{Part, Parts};
+use raypath_work::parts::{Part, Parts};
 use std::path::Path;
 
 /// Handshakes are the same after they were written.

@@ -3,6 +3,7 @@
 use raypath::ops::{RayBox, RayTriangle, Rounding, Rules};
 use raypath::oracle::{AnyOperationSpec, Checks};
 use raypath::prelude::*;
+use raypath::rtl::{Config, Lanes};
 use raypath::sim::transactions::read;
 use raypath::workbench::{Arguments, Cost, run};
 use within_radius::{Near, Points, WithinRadius, check, spec, stimulus};
@@ -37,7 +38,7 @@ fn it_adds_no_unit() {
 /// The linters report nothing, and Verilator agrees with the cycle-exact model and the oracle.
 #[test]
 fn verilator_agrees_with_the_oracle() {
-    let datapath = Datapath::paper(Default::default()).with(WithinRadius);
+    let datapath = Datapath::paper(Config::DEFAULT.lanes(Lanes::Two)).with(WithinRadius);
     let netlist = datapath.elaborate().expect("it fits");
     let specs = [AnyOperationSpec::from(spec())];
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 3, jobs: 5000 };

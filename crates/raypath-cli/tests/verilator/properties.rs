@@ -6,7 +6,7 @@ use raypath_tools::{Options, Sources, ToolError, Verilated};
 /// Runs 500 cycles with stalls and bubbles and arbitrary data, from registers with random values, which are reset in
 /// cycle 20. `fault` replaces a text in `raypath_skid`.
 fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
-    let config = Config::DEFAULT.lanes(Lanes::None).format("fp16".parse().expect("a format"));
+    let config = Config::DEFAULT.lanes(Lanes::None).format("e3s3".parse().expect("a format"));
     let datapath = Datapath::new(config).expect("a datapath");
     let top = datapath.top();
     let folder = tempfile::tempdir().expect("a folder");

@@ -75,11 +75,11 @@ fn golden_vectors() {
     assert_eq!(faults_of(&jobs, &outcomes, Traffic::always()), 1);
 }
 
-/// Random jobs of all modes with resets at any moment, against the models: in the default configuration, and in two
-/// that have little in common with it.
+/// Random jobs of all modes with resets at any moment, against the models: in two configurations that have little in
+/// common with that of the golden vectors.
 #[test]
 fn random_jobs_and_resets() {
-    [Config::DEFAULT, REPRESENTATIVES[0], REPRESENTATIVES[2]].into_par_iter().for_each(random_campaign);
+    [REPRESENTATIVES[0], REPRESENTATIVES[2]].into_par_iter().for_each(random_campaign);
 }
 
 /// As above, without distance modes and with every value of every other parameter.
@@ -87,7 +87,7 @@ fn random_jobs_and_resets() {
 #[ignore = "run by ./test.sh --long"]
 fn random_jobs_and_resets_in_the_other_representatives() {
     let others = [REPRESENTATIVES[1], REPRESENTATIVES[3], REPRESENTATIVES[4], REPRESENTATIVES[5], REPRESENTATIVES[6]];
-    others.into_par_iter().chain([Config::DEFAULT.lanes(Lanes::None)]).for_each(random_campaign);
+    others.into_par_iter().chain([Config::DEFAULT, Config::DEFAULT.lanes(Lanes::None)]).for_each(random_campaign);
 }
 
 fn random_campaign(config: Config) {

@@ -4,9 +4,10 @@ use crate::package::folder::{PRESETS, Written, preset, write};
 use crate::package::frames::agree_in_frames;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use raypath_float::Format;
 use raypath_hdl::{Builder, Module};
 use raypath_ops::{Circuit, Num, Operation, bundle};
-use raypath_rtl::{Datapath, Operations};
+use raypath_rtl::{Config, Control, Datapath, Lanes, Operations};
 use raypath_tools::{Options, ToolError, Verilated, lint_slang, lint_verilator, lint_yosys};
 use std::fmt::Write;
 use std::fs;
@@ -18,7 +19,8 @@ const FRAMES: usize = 600;
 #[test]
 fn all_three_front_ends_accept_it() {
     for name in PRESETS {
-        lint(&write(&preset(name))).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+        let written = write(&preset(name));
+        lint_files(&written.listed(), &written, "raypath_wrapper").unwrap_or_else(|fault| panic!("{name}: {fault}"));
     }
 }
 
@@ -30,13 +32,6 @@ fn the_example_is_clean() {
     let mut files = written.listed();
     files.push(example);
     lint_files(&files, &written, "nearest_box").unwrap_or_else(|fault| panic!("{fault}"));
-}
-
-/// The wrapper and the datapath without wrapper, in one list.
-fn lint(written: &Written) -> Result<(), ToolError> {
-    let listed = written.listed();
-    lint_verilator(&listed, "raypath", &[])?;
-    lint_files(&listed, written, "raypath_wrapper")
 }
 
 /// Verilator and slang read the listed files; Yosys reads their concatenation.
@@ -65,25 +60,22 @@ fn a_fault_in_the_wrapper_is_found() {
 /// Random words at the ports of both in every cycle, with random handshakes and resets.
 #[test]
 fn it_equals_the_bare_datapath() {
-    // With all ports, and with narrow ports. The other configurations have the same kinds of ports, and are linted
-    // above.
-    for name in ["half", "credit"] {
-        let datapath = preset(name);
-        let top = datapath.top();
-        let written = write(&datapath);
-        let flat = written.path().join("flat.sv");
-        fs::write(&flat, flattened(top)).expect("a file");
-        let mut files = written.listed();
-        files.extend([flat, written.path().join("raypath_properties.sv")]);
+    // All kinds of ports, and narrow numbers.
+    let config = Config::DEFAULT.lanes(Lanes::Two).format(Format::BINARY16).control(Control::Credit);
+    let datapath = Datapath::new(config).expect("a datapath");
+    let top = datapath.top();
+    let written = write(&datapath);
+    let flat = written.path().join("flat.sv");
+    fs::write(&flat, flattened(top)).expect("a file");
+    let mut files = written.listed();
+    files.extend([flat, written.path().join("raypath_properties.sv")]);
 
-        let frames = frames(top, &mut ChaCha8Rng::seed_from_u64(1));
-        let verilated = Verilated::build_sources(&files, &ports_of(top), written.path(), &Options::default());
-        let verilated = verilated.unwrap_or_else(|fault| panic!("{name}: {fault}"));
-        let outputs = agree_in_frames(top, &verilated, &frames);
-        let valid = top.outputs().iter().position(|port| port.name == "output_valid_o").expect("a handshake");
-        let shown = outputs.iter().filter(|outputs| outputs[valid] == 1).count();
-        assert!(shown > FRAMES / 4, "{name}: {shown} cycles with an outcome");
-    }
+    let frames = frames(top, &mut ChaCha8Rng::seed_from_u64(1));
+    let verilated = Verilated::build_sources(&files, &ports_of(top), written.path(), &Options::default());
+    let outputs = agree_in_frames(top, &verilated.expect("a build"), &frames);
+    let valid = top.outputs().iter().position(|port| port.name == "output_valid_o").expect("a handshake");
+    let shown = outputs.iter().filter(|outputs| outputs[valid] == 1).count();
+    assert!(shown > FRAMES / 4, "{shown} cycles with an outcome");
 }
 
 /// The field of each port, written by hand: prefixes of ports, and their replacements in paths of fields.
@@ -220,7 +212,7 @@ impl Operation for Sum {
 fn any_operation_is_wrapped() {
     let operations = Operations::new().with(&Sum, 5).expect("an operation");
     let written = write(&Datapath::of(operations).expect("a datapath"));
-    lint(&written).unwrap_or_else(|fault| panic!("{fault}"));
+    lint_files(&written.listed(), &written, "raypath_wrapper").unwrap_or_else(|fault| panic!("{fault}"));
     let package = fs::read_to_string(written.path().join("rtl/raypath_pkg.sv")).expect("text");
     assert!(package.contains("OpSumOfAll = 3'd5"), "{package}");
     let wrapper = written.text("rtl/raypath_wrapper.sv");
