@@ -202,7 +202,7 @@ fn the_rtl_draws_the_picture_of_the_model() {
 
     let (traced, drawn) = (below("rtl-hits.txt"), below("rtl.png"));
     let said = page::succeeds(&["render", "--draw", &traced, "--size", "20x14", "--out", &drawn]);
-    assert!(said.contains("704 pixels, 176 with a hit"), "{said}");
+    assert!(said.contains("280 pixels, 70 with a hit"), "{said}");
     let bytes = |path: &str| std::fs::read(path).expect("a picture");
     assert!(bytes(&drawn) == bytes(&model), "the pictures differ");
 
