@@ -3,7 +3,7 @@
 use raypath_float::Format;
 use raypath_model::{Model, WordModel, Words};
 use raypath_ops::{JobKind, Rules};
-use raypath_rtl::{Config, Datapath, Encoding};
+use raypath_rtl::{Config, DatapathNetlist, Encoding};
 use raypath_sim::engine::{Engine, NetlistEngine};
 use raypath_sim::jobs::random;
 use raypath_sim::lockstep::lockstep;
@@ -97,7 +97,7 @@ fn improper_outputs_are_named() {
     assert!(netlist.improper_outputs(&boxes).iter().any(|port| port == "is_intersect_o is 0, expected f"));
 
     let recoded = Config::DEFAULT.io(Encoding::Recoded);
-    let datapath = Datapath::new(Config::DEFAULT).expect("a datapath");
+    let datapath = DatapathNetlist::new(Config::DEFAULT).expect("a datapath");
     let mut misread = NetlistEngine::of(model.clone(), recoded, &datapath, |_| false).expect("an engine");
     let found = lockstep(&mut misread, model, jobs(), &mut Traffic::always(), |_| true);
     assert!(found.different >= 100, "{} differences", found.different);

@@ -2,7 +2,7 @@
 //! is seen in review as a change of text. `RAYPATH_UPDATE=1 cargo test -p raypath-cli golden` writes them anew.
 
 use raypath_rtl::package::{self, Files};
-use raypath_rtl::{Datapath, Preset};
+use raypath_rtl::{DatapathNetlist, Preset};
 use raypath_traversal::{UnitNetlist, UnitParameters};
 use std::collections::BTreeSet;
 use std::fs;
@@ -14,7 +14,7 @@ const UPDATE: &str = "RAYPATH_UPDATE";
 fn the_text_of_presets_is_the_golden_one() {
     for name in ["paper", "credit"] {
         let preset: Preset = name.parse().expect("a preset");
-        let datapath = Datapath::new(preset.config).expect("a datapath");
+        let datapath = DatapathNetlist::new(preset.config).expect("a datapath");
         let files = package::design(&datapath, preset.config, &preset.config.to_string()).expect("files");
         compare(name, files);
     }

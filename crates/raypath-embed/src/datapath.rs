@@ -27,7 +27,7 @@ use std::path::Path;
 #[derive(Debug)]
 pub struct Datapath {
     whole: raypath_sim::Datapath,
-    netlist: rtl::Datapath,
+    netlist: rtl::DatapathNetlist,
     shape: Shape,
     description: String,
     model: WordModel,
@@ -72,7 +72,7 @@ impl Datapath {
     }
 
     /// The elaborated netlist, with schedule, units and registers.
-    pub fn netlist(&self) -> &rtl::Datapath {
+    pub fn netlist(&self) -> &rtl::DatapathNetlist {
         &self.netlist
     }
 

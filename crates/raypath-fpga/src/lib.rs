@@ -7,11 +7,11 @@
 //!
 //! ```no_run
 //! use raypath_fpga::{Device, Flow, Shell, StreamWidth, Target};
-//! use raypath_rtl::{Config, Datapath, Multiplier};
+//! use raypath_rtl::{Config, DatapathNetlist, Multiplier};
 //! use raypath_tools::{Nextpnr, Yosys};
 //!
 //! let config = Config::DEFAULT.multiplier(Multiplier::Inferred);
-//! let shell = Shell::new(Datapath::new(config)?.top(), StreamWidth::Eight)?;
+//! let shell = Shell::new(DatapathNetlist::new(config)?.top(), StreamWidth::Eight)?;
 //! let flow = Flow { yosys: Yosys::find(None)?, nextpnr: Nextpnr::find()?, cache: "build/ppa-cache".into() };
 //! let implemented = flow.implement("paper", &shell, Target::of(Device::Ecp5_85k), |_| true)?;
 //! println!("{} MHz", implemented.report.clock_mhz);

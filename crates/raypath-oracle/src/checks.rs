@@ -21,7 +21,7 @@ pub struct Checks<'d> {
     /// The datapath.
     pub datapath: &'d Datapath,
     /// The elaborated datapath.
-    pub netlist: &'d rtl::Datapath,
+    pub netlist: &'d rtl::DatapathNetlist,
     /// The specifications of the operations to check.
     pub specs: &'d [AnyOperationSpec],
     /// The seed of jobs and traffic.

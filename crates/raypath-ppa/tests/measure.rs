@@ -5,7 +5,7 @@ use crate::common::bench;
 use raypath_hdl::{Builder, Module, Wire};
 use raypath_ops::{Circuit, Num, Operation, bundle};
 use raypath_ppa::{Bench, Design, Error, Report, Stage};
-use raypath_rtl::{Control, Datapath, Microarchitecture, Operations, UnitKind};
+use raypath_rtl::{Control, DatapathNetlist, Microarchitecture, Operations, UnitKind};
 use raypath_tools::ToolError;
 use std::sync::Arc;
 
@@ -246,7 +246,8 @@ fn registers_and_units_are_found_again() {
     let controls = [Control::Skid, Control::Credit];
     let datapaths = controls.map(|control| {
         let operations = Operations::new().with(&Small, 2).expect("an operation");
-        Datapath::build(operations, Microarchitecture { control, ..Microarchitecture::DEFAULT }).expect("a datapath")
+        DatapathNetlist::build(operations, Microarchitecture { control, ..Microarchitecture::DEFAULT })
+            .expect("a datapath")
     });
     let designs = datapaths.each_ref().map(|datapath| Design::new("small", datapath.top()));
     let reports = bench.measure(&designs, |_| true).expect("reports");

@@ -55,7 +55,7 @@ pub fn operations(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     list(py, added.iter().map(|spec| row!(py, "operation": spec.name(), "purpose": spec.purpose())))
 }
 
-pub fn schedule<'py>(py: Python<'py>, netlist: &rtl::Datapath) -> PyResult<Bound<'py, PyList>> {
+pub fn schedule<'py>(py: Python<'py>, netlist: &rtl::DatapathNetlist) -> PyResult<Bound<'py, PyList>> {
     let steps = netlist.steps().enumerate();
     let rows = steps.flat_map(|(step, label)| {
         netlist.schedule(step).into_iter().map(move |note| {
@@ -67,7 +67,7 @@ pub fn schedule<'py>(py: Python<'py>, netlist: &rtl::Datapath) -> PyResult<Bound
     list(py, rows)
 }
 
-pub fn units<'py>(py: Python<'py>, netlist: &rtl::Datapath) -> PyResult<Bound<'py, PyList>> {
+pub fn units<'py>(py: Python<'py>, netlist: &rtl::DatapathNetlist) -> PyResult<Bound<'py, PyList>> {
     let rows = netlist
         .steps()
         .enumerate()
@@ -75,7 +75,7 @@ pub fn units<'py>(py: Python<'py>, netlist: &rtl::Datapath) -> PyResult<Bound<'p
     list(py, rows)
 }
 
-pub fn registers<'py>(py: Python<'py>, netlist: &rtl::Datapath) -> PyResult<Bound<'py, PyList>> {
+pub fn registers<'py>(py: Python<'py>, netlist: &rtl::DatapathNetlist) -> PyResult<Bound<'py, PyList>> {
     let rows = netlist.steps().enumerate().map(|(step, label)| {
         let bits = netlist.registers(step);
         row!(py, "step": step, "stage": label.to_string(), "live": bits.live, "data": bits.data,

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// An elaborated datapath: its netlist, schedule, units and registers.
 #[derive(Debug)]
-pub struct Datapath {
+pub struct DatapathNetlist {
     plan: Plan,
     library: Library,
     pipeline: Pipeline,
@@ -41,7 +41,7 @@ pub struct StateLoop {
     pub operation: &'static str,
     /// Its opcode.
     pub opcode: u64,
-    /// The step that reads the state first, as an index into [`Datapath::steps`].
+    /// The step that reads the state first, as an index into [`DatapathNetlist::steps`].
     pub first: u32,
     /// The step that writes the state. A job may follow the previous one after `last - first + 1` cycles, not earlier.
     pub last: u32,
@@ -61,7 +61,7 @@ pub struct Registers {
     pub state: u64,
 }
 
-impl Datapath {
+impl DatapathNetlist {
     /// Elaborates a configuration of the paper's operations.
     ///
     /// # Errors
@@ -88,7 +88,7 @@ impl Datapath {
     /// Elaborates any set of operations with this microarchitecture.
     ///
     /// # Errors
-    /// Those of [`Datapath::of`].
+    /// Those of [`DatapathNetlist::of`].
     pub fn build(operations: Operations, microarchitecture: Microarchitecture) -> Result<Self, Error> {
         let Operations { format, exception_flags: with_flags, .. } = operations;
         let (staged, stages) = operations.staged(microarchitecture)?;
@@ -122,7 +122,7 @@ impl Datapath {
         self.plan.steps.iter().map(|plan| plan.label)
     }
 
-    /// The module of a step, by its index in [`Datapath::steps`].
+    /// The module of a step, by its index in [`DatapathNetlist::steps`].
     pub fn module(&self, step: usize) -> Option<&Arc<Module>> {
         self.pipeline.steps.get(step)
     }

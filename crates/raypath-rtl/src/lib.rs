@@ -2,12 +2,12 @@
 //!
 //! The layers of the crate, in order: `config` declares the parameters; `ir` records each operation as a graph;
 //! `schedule` assigns stages and steps; `allocate` assigns units and registers; `emit` builds the netlist
-//! ([`Datapath::top`]); and [`package`] writes it as files for other flows.
+//! ([`DatapathNetlist::top`]); and [`package`] writes it as files for other flows.
 //!
 //! ```
-//! use raypath_rtl::{Config, Datapath, Lanes};
+//! use raypath_rtl::{Config, DatapathNetlist, Lanes};
 //!
-//! let datapath = Datapath::new(Config::DEFAULT.lanes(Lanes::None))?;
+//! let datapath = DatapathNetlist::new(Config::DEFAULT.lanes(Lanes::None))?;
 //! assert_eq!(datapath.top().name(), "raypath");
 //! assert_eq!(datapath.units(2).add, 24);
 //! # Ok::<(), raypath_rtl::Error>(())
@@ -31,7 +31,7 @@ pub use config::{
     Microarchitecture, Multiplier, OperationVisitor, PARAMETER_GROUPS, PRESETS, Parameter, ParameterGroup,
     ParseChoiceError, Preset, Semantics, Sharing, UnitLatency, UnitSharing, alternatives, parameters,
 };
-pub use datapath::{Datapath, Registers, StageNote, StateLoop};
+pub use datapath::{DatapathNetlist, Registers, StageNote, StateLoop};
 pub use emit::properties::{Bind, Checker, Properties};
 pub use error::{Error, Shortage};
 pub use ir::graph::MAX_OPERATIONS;

@@ -4,9 +4,9 @@
 //! They are derived from the ports of the top module, so they exist for every set of operations.
 //!
 //! ```
-//! use raypath_rtl::{Config, Datapath, Lanes, package};
+//! use raypath_rtl::{Config, DatapathNetlist, Lanes, package};
 //!
-//! let datapath = Datapath::new(Config::DEFAULT.lanes(Lanes::None))?;
+//! let datapath = DatapathNetlist::new(Config::DEFAULT.lanes(Lanes::None))?;
 //! let files = package::files(&datapath, &[])?;
 //! let (path, text) = &files[0];
 //! assert_eq!(path.to_str(), Some("rtl/raypath_wrapper_pkg.sv"));
@@ -22,7 +22,7 @@ mod structures;
 mod text;
 mod wrapper;
 
-use crate::Datapath;
+use crate::DatapathNetlist;
 pub use design::{Wrapped, design, wrapped};
 use fields::{Direction, Field};
 use manifest::Sources;
@@ -40,7 +40,7 @@ pub type Files = Vec<(PathBuf, String)>;
 ///
 /// # Errors
 /// A datapath that cannot be printed: different modules of one name.
-pub fn files(datapath: &Datapath, banner: &[String]) -> Result<Files, Error> {
+pub fn files(datapath: &DatapathNetlist, banner: &[String]) -> Result<Files, Error> {
     let top = datapath.top();
     let job = Field::of(top, Direction::Input);
     let outcome = Field::of(top, Direction::Output);

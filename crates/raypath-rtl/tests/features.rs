@@ -5,7 +5,7 @@ mod options;
 
 use crate::common::driver::Driver;
 use raypath_ops::Concrete;
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use std::cell::Cell;
 
 /// Compares random jobs of a configuration with its operations over a circuit, and with the exceptions in `raised`.
@@ -13,5 +13,5 @@ fn check(circuit: impl Concrete + 'static, config: Config, raised: Option<&'stat
     let mut driver = Driver::new(circuit, config);
     driver.raised = raised;
     let Ok(()) = config.semantics.operations(&mut driver);
-    driver.run(&config.to_string(), &Datapath::new(config).expect("a datapath"), jobs);
+    driver.run(&config.to_string(), &DatapathNetlist::new(config).expect("a datapath"), jobs);
 }

@@ -3,7 +3,7 @@
 use crate::common::drive::drive;
 use raypath_float::Format;
 use raypath_ops::{Bit, Circuit, Flags, Num, Operation, Word, bundle};
-use raypath_rtl::{Config, Control, Datapath, Encoding, Error, Operations, Sharing, UnitLatency};
+use raypath_rtl::{Config, Control, DatapathNetlist, Encoding, Error, Operations, Sharing, UnitLatency};
 
 bundle! {
     /// Two numbers, a flag and a small word.
@@ -65,7 +65,7 @@ fn answers(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)]) -> Vec<(f
 /// The outcomes of one configuration. The first one appears after the latency of the configuration.
 fn answers_of(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)], config: Config) -> Vec<(f32, bool, u64)> {
     let operations = Operations::new().with(operation, 2).expect("an operation");
-    let datapath = Datapath::build(operations, config.microarchitecture).expect("a datapath");
+    let datapath = DatapathNetlist::build(operations, config.microarchitecture).expect("a datapath");
     let recoded = config.microarchitecture.io == Encoding::Recoded;
     let to_port =
         |value: f32| if recoded { Format::BINARY32.encode(value.to_bits().into()) } else { value.to_bits().into() };
@@ -82,7 +82,7 @@ fn answers_of(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)], config
 
 fn flip_flops(operation: &impl Operation) -> u64 {
     let operations = Operations::new().with(operation, 0).expect("an operation");
-    Datapath::of(operations).expect("a datapath").top().register_bits()
+    DatapathNetlist::of(operations).expect("a datapath").top().register_bits()
 }
 
 operation!(Mixed, |c, i| {
@@ -160,7 +160,7 @@ fn words_that_the_format_does_not_have_are_refused() {
         Output { number: i.word.number() * i.a, is_so: i.flag, code: i.word }
     });
     let wide = |s| Operations::new().format(Format::new(3, s).expect("a format")).with(&Wide, 0);
-    let build = |s| Datapath::of(wide(s).expect("an operation"));
+    let build = |s| DatapathNetlist::of(wide(s).expect("an operation"));
     assert!(build(3).is_ok());
 
     struct Nine;
@@ -175,7 +175,7 @@ fn words_that_the_format_does_not_have_are_refused() {
         }
     }
     let nine = || Operations::new().with(&Nine, 0).expect("an operation");
-    let error = Datapath::of(nine().format(Format::new(8, 8).expect("a format")));
+    let error = DatapathNetlist::of(nine().format(Format::new(8, 8).expect("a format")));
     let said = error.expect_err("bfloat16 has no 257").to_string();
     assert!(said.contains("has 9 bits, expected 1 to 8"), "{said}");
 }
@@ -214,7 +214,7 @@ fn state_may_go_through_an_adder_of_several_steps() {
     assert_eq!(answers(&Sum, &jobs), expected);
     for config in configurations() {
         let operations = Operations::new().with(&Sum, 2).expect("an operation");
-        let loops = Datapath::build(operations, config.microarchitecture).expect("a datapath").loops();
+        let loops = DatapathNetlist::build(operations, config.microarchitecture).expect("a datapath").loops();
         let spacing = loops.first().map_or(1, |found| found.last - found.first + 1);
         assert_eq!(spacing, config.microarchitecture.unit_latency.steps(), "{config}");
     }
@@ -230,7 +230,7 @@ fn operations_share_units_and_registers() {
         Output { number: difference * difference, is_so: difference.sign_bit(), code: c.word(0) }
     });
     let both = Operations::new().with(&Mixed, 0).and_then(|set| set.with(&Double, 1)).expect("operations");
-    let both = Datapath::of(both).expect("a datapath");
+    let both = DatapathNetlist::of(both).expect("a datapath");
     let units = (both.units(2).add, both.units(2).compare, both.units(5).multiply);
     assert_eq!(units, (1, 1, 1));
     assert!(both.top().register_bits() <= flip_flops(&Mixed) + 2 * 12, "{}", both.top().register_bits());
@@ -288,7 +288,7 @@ fn units_in_a_circle_are_refused() {
     assert_eq!(answers(&SumFirst, &[(2.0, 3.0, false, 0)])[0].0, 10.0);
     assert_eq!(answers(&ProductFirst, &[(2.0, 3.0, false, 0)])[0].0, 8.0);
     let both = Operations::new().with(&SumFirst, 0).and_then(|set| set.with(&ProductFirst, 1)).expect("operations");
-    let error = Datapath::of(both).expect_err("a loop");
+    let error = DatapathNetlist::of(both).expect_err("a loop");
     assert!(
         error.to_string().starts_with("stage 3: the operations use its units in orders that form a combinational loop"),
         "{error}"
@@ -341,7 +341,8 @@ fn ports_of_one_name_are_alike() {
 fn assertions_of_a_state_without_labels_look_at_it() {
     for config in configurations() {
         let operations = Operations::new().with(&Sum, 2).expect("an operation");
-        let text = Datapath::build(operations, config.microarchitecture).expect("a datapath").properties().to_string();
+        let text =
+            DatapathNetlist::build(operations, config.microarchitecture).expect("a datapath").properties().to_string();
         assert!(text.contains("Sum_kept_state") && !text.contains("()"), "{config}: an open port\n{text}");
     }
 }

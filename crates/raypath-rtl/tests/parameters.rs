@@ -2,7 +2,7 @@
 
 use raypath_float::Format;
 use raypath_ops::{BoxBits, Rounding, Rules};
-use raypath_rtl::{Choice, Config, Datapath, EXCEPTIONS, Exception, Interval, Lanes, UnitLatency, parameters};
+use raypath_rtl::{Choice, Config, DatapathNetlist, EXCEPTIONS, Exception, Interval, Lanes, UnitLatency, parameters};
 use std::collections::BTreeSet;
 
 /// Every listed value of a parameter is accepted, selects a configuration of its own, and is displayed unchanged.
@@ -85,7 +85,7 @@ fn each_exception_is_refused() {
     for ((config, beginning, expected), exception) in refused.into_iter().zip(EXCEPTIONS) {
         let problem = config.check().expect_err("a refusal").to_string();
         assert_eq!(problem, format!("{beginning}, because {}; expected {expected}", exception.reason));
-        assert!(Datapath::new(config).is_err());
+        assert!(DatapathNetlist::new(config).is_err());
     }
 }
 

@@ -7,8 +7,8 @@ use raypath_ops::{
     Angular, Binary32, Bit, Circuit, Euclidean, Num, Operation, RayBox, RayTriangle, Rounding, Rules, bundle,
 };
 use raypath_rtl::{
-    Budget, Config, Control, Datapath, Error, OperationVisitor, Operations, STAGES, Sharing, UnitKind, UnitLatency,
-    Units,
+    Budget, Config, Control, DatapathNetlist, Error, OperationVisitor, Operations, STAGES, Sharing, UnitKind,
+    UnitLatency, Units,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -61,28 +61,28 @@ bundle! {
 
 #[test]
 fn a_sum_begins_one_stage_before_it_is_available() {
-    assert!(Operations::new().with(&Early(2), 0).and_then(Datapath::of).is_ok());
+    assert!(Operations::new().with(&Early(2), 0).and_then(DatapathNetlist::of).is_ok());
     let error = Operations::new().with(&Early(1), 0).expect_err("no stage 0").to_string();
     assert!(error.contains("is in stage 0, expected 1 to 10"), "{error}");
 }
 
-fn build<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: Rules) -> Datapath {
-    with::<E, A>(set, which, rules).and_then(Datapath::of).expect("a datapath")
+fn build<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: Rules) -> DatapathNetlist {
+    with::<E, A>(set, which, rules).and_then(DatapathNetlist::of).expect("a datapath")
 }
 
 const ALL: [u64; 4] = [1, 0, 2, 3];
 const SETS: [(&str, &[u64]); 5] =
     [("quadbox", &[1]), ("triangle", &[0]), ("euclidean", &[2]), ("angular", &[3]), ("all four", &ALL)];
 
-fn budget_of(datapath: &Datapath) -> Budget {
+fn budget_of(datapath: &DatapathNetlist) -> Budget {
     Budget::by_stage(|stage| datapath.units(stage as usize))
 }
 
-fn live(datapath: &Datapath) -> u64 {
+fn live(datapath: &DatapathNetlist) -> u64 {
     (0..=STAGES as usize).map(|step| datapath.registers(step).live).sum()
 }
 
-fn assert_within(datapath: &Datapath, budget: &Budget) {
+fn assert_within(datapath: &DatapathNetlist, budget: &Budget) {
     for stage in 1..=STAGES {
         let (units, allowed) = (datapath.units(stage as usize), budget.units(stage));
         for kind in [UnitKind::Add, UnitKind::Multiply, UnitKind::Compare] {
@@ -100,7 +100,7 @@ fn registers_are_no_more_than_by_hand() {
         let same = budget_of(&build::<16, 8>(Operations::new(), &ALL, rules));
         for (name, which) in SETS {
             let hand = build::<16, 8>(Operations::new(), which, rules);
-            let cell = |datapath: &Datapath| format!("{} ({})", datapath.top().register_bits(), live(datapath));
+            let cell = |datapath: &DatapathNetlist| format!("{} ({})", datapath.top().register_bits(), live(datapath));
             let mut row = vec![rules.to_string(), name.to_string(), cell(&hand)];
             for budget in [same, Budget::TABLE_VIII, Budget::UNLIMITED] {
                 let auto = build::<16, 8>(Operations::new().auto().within(budget), which, rules);
@@ -138,7 +138,7 @@ fn other_lanes_need_no_more_either() {
 fn without_a_budget_others_units_are_used() {
     let hand = build::<4, 2>(Operations::new(), &[1, 0], Rules::Paper);
     let mixed = with::<4, 2>(Operations::new(), &[1, 0], Rules::Paper).map(Operations::auto);
-    let mixed = mixed.and_then(|set| with::<4, 2>(set, &[2, 3], Rules::Paper)).and_then(Datapath::of);
+    let mixed = mixed.and_then(|set| with::<4, 2>(set, &[2, 3], Rules::Paper)).and_then(DatapathNetlist::of);
     let mixed = mixed.expect("a datapath");
     assert!(mixed.loops().is_empty());
     assert_within(&mixed, &budget_of(&hand));
@@ -183,7 +183,7 @@ fn answers_are_those_of_the_operations() {
     ] {
         for &(config, count) in configs {
             let set = with::<16, 8>(Operations::new().auto().within(budget), &ALL, rules).expect("operations");
-            let datapath = Datapath::build(set, config.microarchitecture).expect("a datapath");
+            let datapath = DatapathNetlist::build(set, config.microarchitecture).expect("a datapath");
             let mut driver = Driver::new(Binary32, config);
             let Ok(()) = config.rules(rules).semantics.operations(&mut driver);
             for (port, values) in driver.run(&config.to_string(), &datapath, count) {
@@ -221,20 +221,20 @@ bundle! {
     }
 }
 
-fn of<O: Operation>(operation: &O) -> Datapath {
-    Operations::new().with(operation, 0).and_then(Datapath::of).expect("a datapath")
+fn of<O: Operation>(operation: &O) -> DatapathNetlist {
+    Operations::new().with(operation, 0).and_then(DatapathNetlist::of).expect("a datapath")
 }
 
 /// Compares random jobs of an operation with the operation.
 fn run(operation: impl Operation + Send + Sync + 'static, config: Config) {
     let set = Operations::new().with(&operation, 0).expect("an operation");
-    let datapath = Datapath::build(set, config.microarchitecture).expect("a datapath");
+    let datapath = DatapathNetlist::build(set, config.microarchitecture).expect("a datapath");
     let mut driver = Driver::new(Binary32, config);
     let Ok(()) = driver.visit(operation, 0);
     driver.run(&config.to_string(), &datapath, 500);
 }
 
-fn arithmetic(datapath: &Datapath) -> Vec<(usize, usize, usize)> {
+fn arithmetic(datapath: &DatapathNetlist) -> Vec<(usize, usize, usize)> {
     let stages = (1..=STAGES as usize).map(|stage| datapath.units(stage));
     stages.map(|units| (units.add, units.multiply, units.compare)).collect()
 }
@@ -284,7 +284,7 @@ fn state_is_read_where_it_is_written() {
 #[test]
 fn states_stay_together() {
     let set = with::<16, 8>(Operations::new(), &[2], Rules::Paper).map(Operations::auto);
-    let beside = set.and_then(|set| with::<16, 8>(set, &[3], Rules::Paper)).and_then(Datapath::of);
+    let beside = set.and_then(|set| with::<16, 8>(set, &[3], Rules::Paper)).and_then(DatapathNetlist::of);
     assert!(beside.expect("a datapath").loops().is_empty());
 }
 
@@ -303,7 +303,7 @@ fn stages_are_marked_or_not() {
         "{error}"
     );
     // If marks are ignored, there is no conflict.
-    assert!(Operations::new().auto().with(&Mixed, 0).and_then(Datapath::of).is_ok());
+    assert!(Operations::new().auto().with(&Mixed, 0).and_then(DatapathNetlist::of).is_ok());
 }
 
 #[test]
@@ -334,21 +334,22 @@ fn too_many_units_are_counted_where_they_are() {
         Output { number: a * b }
     });
     let one = Budget::by_stage(|_| units(1, 1, 1));
-    let marked = |budget| Operations::new().within(budget).with(&Sums, 0).and_then(Datapath::of);
+    let marked = |budget| Operations::new().within(budget).with(&Sums, 0).and_then(DatapathNetlist::of);
     let error = marked(one).expect_err("two adders in stage 2");
     let Error::TooManyUnits { operation: "Sums", shortages } = &error else { panic!("{error}") };
     let found: Vec<_> = shortages.iter().map(|s| (s.stage, s.kind, s.needed, s.allowed)).collect();
     assert_eq!(found, [(2, UnitKind::Add, 2, 1)]);
     assert!(error.to_string().contains("stage 2 needs 2 adders, 1 allowed; widen the budget or reduce"), "{error}");
     // It fits with automatic staging, and with a wider budget also with marks.
-    let auto = Operations::new().auto().within(one).with(&Sums, 0).and_then(Datapath::of).expect("a datapath");
+    let auto = Operations::new().auto().within(one).with(&Sums, 0).and_then(DatapathNetlist::of).expect("a datapath");
     assert_within(&auto, &one);
     let wider = Budget::by_stage(|stage| if stage == 2 { units(2, 1, 1) } else { one.units(stage) });
     assert!(marked(wider).is_ok());
 
     // No stage has two multipliers.
     let few = Budget::by_stage(|stage| if stage == 2 { units(2, 0, 0) } else { Units::default() });
-    let error = Operations::new().auto().within(few).with(&Sums, 0).and_then(Datapath::of).expect_err("no multiplier");
+    let error =
+        Operations::new().auto().within(few).with(&Sums, 0).and_then(DatapathNetlist::of).expect_err("no multiplier");
     let Error::TooManyUnits { shortages, .. } = &error else { panic!("{error}") };
     let found: Vec<_> = shortages.iter().map(|s| (s.kind, s.needed, s.allowed)).collect();
     assert_eq!(found, [(UnitKind::Multiply, 1, 0)]);
@@ -358,7 +359,8 @@ fn too_many_units_are_counted_where_they_are() {
         let more = shortages.iter().filter(|shortage| shortage.stage == stage).map(|shortage| shortage.needed).sum();
         Units { multiply: more, ..few.units(stage) }
     });
-    let auto = Operations::new().auto().within(offered).with(&Sums, 0).and_then(Datapath::of).expect("a datapath");
+    let auto =
+        Operations::new().auto().within(offered).with(&Sums, 0).and_then(DatapathNetlist::of).expect("a datapath");
     assert_within(&auto, &offered);
 }
 
@@ -367,7 +369,7 @@ fn too_many_units_are_counted_where_they_are() {
 fn what_is_offered_is_enough() {
     let wide = |budget| {
         let set = Operations::new().auto().within(budget).with(&Euclidean::<64> { rounding: Rounding::Unit }, 2);
-        set.and_then(Datapath::of)
+        set.and_then(DatapathNetlist::of)
     };
     let error = wide(Budget::TABLE_VIII).expect_err("64 lanes");
     let Error::TooManyUnits { shortages, .. } = error else { panic!("{error}") };

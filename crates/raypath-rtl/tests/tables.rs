@@ -3,12 +3,12 @@
 use raypath_ops::Rules;
 use raypath_rtl::report::picture::pipeline;
 use raypath_rtl::report::tables::{difference, schedule, units_and_registers};
-use raypath_rtl::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, Units};
+use raypath_rtl::{Budget, Config, DatapathNetlist, Lanes, PRESETS, STAGES, Units};
 
 const DEFAULT: Config = Config::DEFAULT;
 
-fn datapath(lanes: Lanes, rules: Rules) -> Datapath {
-    Datapath::new(Config::DEFAULT.rules(rules).lanes(lanes)).expect("a datapath")
+fn datapath(lanes: Lanes, rules: Rules) -> DatapathNetlist {
+    DatapathNetlist::new(Config::DEFAULT.rules(rules).lanes(lanes)).expect("a datapath")
 }
 
 fn arithmetic(units: Units) -> (usize, usize, usize) {
@@ -114,7 +114,7 @@ fn tables_show_every_stage_and_operation() {
 fn readme_has_the_figures_of_every_preset() {
     let readme = include_str!("../../../README.md");
     for preset in PRESETS {
-        let datapath = Datapath::new(preset.config).expect("a datapath");
+        let datapath = DatapathNetlist::new(preset.config).expect("a datapath");
         let (bits, latency) = (datapath.top().register_bits(), datapath.latency());
         let figures = format!("| {},{:03} | {latency} |", bits / 1000, bits % 1000);
         let row = readme.lines().find(|line| line.starts_with(&format!("| `{}`", preset.name))).expect("a row");

@@ -14,7 +14,7 @@ use toml::de::{DeTable, DeValue};
 ///
 /// ```no_run
 /// let config = raypath_sim::configuration::read("small.toml".as_ref())?;
-/// let datapath = raypath_rtl::Datapath::new(config)?;
+/// let datapath = raypath_rtl::DatapathNetlist::new(config)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -121,7 +121,7 @@ impl Datapath {
     /// An opcode or a name that occurs twice; an operation with a stage that does not exist, a value that is read
     /// before it is computed, more units in a stage than the budget, or a chain that is too long for the latency; two
     /// operations whose shared units would form a loop.
-    pub fn elaborate(&self) -> Result<rtl::Datapath, Error> {
+    pub fn elaborate(&self) -> Result<rtl::DatapathNetlist, Error> {
         self.config.check()?;
         let Semantics { format, rounding, features, .. } = self.config.semantics;
         let Features { tag, exception_flags, .. } = features;
@@ -133,7 +133,7 @@ impl Datapath {
         for (opcode, operation) in &self.operations {
             operations = operation.add_to(operations, *opcode)?;
         }
-        rtl::Datapath::build(operations, self.config.microarchitecture)
+        rtl::DatapathNetlist::build(operations, self.config.microarchitecture)
     }
 
     /// The dataflow of each operation.
@@ -160,7 +160,7 @@ impl Datapath {
     ///
     /// # Errors
     /// None occur for a result of [`elaborate`](Self::elaborate).
-    pub fn netlist(&self, elaborated: &rtl::Datapath) -> Result<NetlistEngine, Error> {
+    pub fn netlist(&self, elaborated: &rtl::DatapathNetlist) -> Result<NetlistEngine, Error> {
         NetlistEngine::of(self.model(), self.config, elaborated, |_| false)
     }
 }

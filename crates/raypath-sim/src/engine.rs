@@ -9,7 +9,7 @@ pub use netlist::{Handshake, NetlistEngine};
 use raypath_float::Format;
 use raypath_model::{Control, CycleModel, Loop, Model, Shape, WordModel, Words};
 use raypath_ops::PortKind;
-use raypath_rtl::{self as rtl, Config, Datapath, Encoding};
+use raypath_rtl::{self as rtl, Config, DatapathNetlist, Encoding};
 use std::borrow::Borrow;
 
 /// A datapath that is simulated cycle by cycle at its ports.
@@ -45,7 +45,7 @@ pub struct Run {
 }
 
 /// The shape of the cycle-exact model of a datapath.
-pub fn shape(config: Config, datapath: &Datapath) -> Shape {
+pub fn shape(config: Config, datapath: &DatapathNetlist) -> Shape {
     let control = match config.microarchitecture.control {
         rtl::Control::Skid => Control::Skid,
         rtl::Control::Credit => Control::Credit,

@@ -17,7 +17,7 @@ pub fn accepted_jobs<M: Model<Kind = JobKind>, A: Agent<M>>(
     progress: Progress,
 ) -> Result<Vec<M::Job>, SimulationError> {
     let jobs = Rc::new(RefCell::new(Vec::new()));
-    let recorder = Recorder { model, jobs: jobs.clone() };
+    let recorder = RecordedModel { model, jobs: jobs.clone() };
     let agents = agents.into_iter().map(Recorded);
     simulate(agents, &system.environment, system.pipeline(recorder), &mut (), progress)?;
     Ok(jobs.take())
@@ -25,12 +25,12 @@ pub fn accepted_jobs<M: Model<Kind = JobKind>, A: Agent<M>>(
 
 /// A model that keeps its jobs. The pipeline computes a job when it accepts it.
 #[derive(Debug, Clone, PartialEq)]
-struct Recorder<M: Model> {
+struct RecordedModel<M: Model> {
     model: M,
     jobs: Rc<RefCell<Vec<M::Job>>>,
 }
 
-impl<M: Model> Model for Recorder<M> {
+impl<M: Model> Model for RecordedModel<M> {
     type Kind = M::Kind;
     type Job = M::Job;
     type Outcome = M::Outcome;
@@ -52,7 +52,7 @@ impl<M: Model> Model for Recorder<M> {
 /// An agent of the recorded model.
 struct Recorded<A>(A);
 
-impl<M: Model, A: Agent<M>> Agent<Recorder<M>> for Recorded<A> {
+impl<M: Model, A: Agent<M>> Agent<RecordedModel<M>> for Recorded<A> {
     fn next_action(&mut self) -> Action<M::Job> {
         self.0.next_action()
     }

@@ -4,7 +4,7 @@
 use crate::units::proofs::{Proof, prove};
 use raypath_float::Format;
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, SynthesisedUnit};
-use raypath_rtl::{Config, Datapath, Lanes, UnitLatency};
+use raypath_rtl::{Config, DatapathNetlist, Lanes, UnitLatency};
 use raypath_tools::{OpenSta, Yosys};
 use raypath_verify::equivalence::miter;
 use raypath_verify::{Error, Request, Verdict};
@@ -65,7 +65,7 @@ fn units(
     };
     let mut units = BTreeMap::new();
     for config in configs {
-        let design = Design::new(config.to_string(), Datapath::new(*config)?.top());
+        let design = Design::new(config.to_string(), DatapathNetlist::new(*config)?.top());
         let found = bench.units(&design, proceed).map_err(Error::subject)?;
         units.extend(found.into_iter().map(|unit| (unit.unit.name().to_string(), unit)));
     }

@@ -3,7 +3,7 @@
 use raypath_float::Format;
 use raypath_verify::Request;
 use raypath_verify::sat::{Miter, ProofResult, Prover, SOURCE};
-use raypath_verify_arithmetic::units::proofs::{Operands, Subject, Unit, multiplication, unit_proofs};
+use raypath_verify_arithmetic::units::proofs::{Operands, Unit, UnitClaim, multiplication, unit_proofs};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -38,7 +38,7 @@ fn a_stop_is_heeded() {
 #[test]
 fn a_faulty_unit_fails_with_operands() {
     let format = Format::new(3, 4).unwrap();
-    let claim = Subject::Rounds(Unit::Mul, Operands::All).claim(format).unwrap();
+    let claim = UnitClaim::Rounds(Unit::Mul, Operands::All).claim(format).unwrap();
     let miters = [claim.miter(false).unwrap(), claim.miter(true).unwrap()];
     let folder = tempfile::tempdir().unwrap();
     let prover = Prover::find().unwrap().keeping_in(folder.path());
@@ -51,7 +51,7 @@ fn a_faulty_unit_fails_with_operands() {
 
 #[test]
 fn a_timeout_is_not_a_proof() {
-    let claim = Subject::Rounds(Unit::Mul, Operands::All).claim(Format::BINARY16).unwrap();
+    let claim = UnitClaim::Rounds(Unit::Mul, Operands::All).claim(Format::BINARY16).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let prover = Prover::find().unwrap().keeping_in(folder.path());
     let limit = Duration::from_millis(1);

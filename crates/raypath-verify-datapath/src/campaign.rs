@@ -4,7 +4,7 @@
 pub(crate) mod failure;
 
 use crate::coverage::{CoverageModel, Tracker};
-use crate::subjects::{self, Subject};
+use crate::datapaths::{self, TestedDatapath};
 use failure::{Trace, report};
 use rand::RngExt;
 use raypath_hdl::Module;
@@ -39,11 +39,11 @@ const ENOUGH: u64 = 20_000;
 /// # Errors
 /// A configuration cannot be elaborated, or a file cannot be written.
 pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
-    let one = run(request, &[Entry::new(Subject::of(request))?], jobs(request), folder)?;
+    let one = run(request, &[Entry::new(TestedDatapath::of(request))?], jobs(request), folder)?;
     if request.is_chosen || request.level == Level::Regression || one.is_stopped {
         return Ok(one);
     }
-    let entries = subjects::all().into_iter().map(Entry::new).collect::<Result<Vec<_>, _>>()?;
+    let entries = datapaths::all().into_iter().map(Entry::new).collect::<Result<Vec<_>, _>>()?;
     let each = run(request, &entries, request.level.pick(0, 100_000, 1_000_000), folder)?;
     Ok(one.and(each))
 }
@@ -64,13 +64,13 @@ pub fn verify_module(
     shape: &Shape,
     folder: &Path,
 ) -> Result<Verdict, Error> {
-    let entry = Entry { top: top.clone(), shape: shape.clone(), ..Entry::new(Subject::of(request))? };
+    let entry = Entry { top: top.clone(), shape: shape.clone(), ..Entry::new(TestedDatapath::of(request))? };
     run(request, &[entry], jobs(request), folder)
 }
 
 /// A datapath, and the module that is compared with its models.
 struct Entry {
-    subject: Subject,
+    subject: TestedDatapath,
     top: Arc<Module>,
     shape: Shape,
     model: WordModel,
@@ -78,7 +78,7 @@ struct Entry {
 }
 
 impl Entry {
-    fn new(subject: Subject) -> Result<Self, Error> {
+    fn new(subject: TestedDatapath) -> Result<Self, Error> {
         let datapath = subject.datapath();
         let (netlist, model) = (datapath.elaborate()?, datapath.model());
         let shape = shape(subject.config, &netlist);

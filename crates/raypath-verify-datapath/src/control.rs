@@ -17,7 +17,7 @@ pub use properties::{never_leaves, problems};
 pub use structure::{data_faults, structural_faults, together};
 
 use crate::covering::{Space, presets_and_pairs};
-use crate::subjects::Subject;
+use crate::datapaths::TestedDatapath;
 use raypath_hdl::with_enables;
 use raypath_rtl::{Config, Control, Interval, Lanes};
 use raypath_tools::Key;
@@ -32,7 +32,7 @@ use std::collections::HashSet;
 /// # Errors
 /// A program is missing or fails; a configuration cannot be elaborated.
 pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let subjects = if request.is_chosen { vec![Subject::of(request)] } else { subjects(request.level)? };
+    let subjects = if request.is_chosen { vec![TestedDatapath::of(request)] } else { subjects(request.level)? };
     let (shard, mut is_stopped) = (request.shard, false);
     let shards = request.parts.phase(|| {
         let checker = ModelChecker::find()?;
@@ -51,8 +51,8 @@ pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
             all.retain(|problem| known.insert(Key::new("control", &[&problem.text, &format!("{:?}", problem.method)])));
             problems.extend(all.into_iter().map(|problem| (subject, problem)));
         }
-        let own: Vec<(&Subject, SafetyProblem)> = shard.of(problems).collect();
-        let check = |(_, problem): &(&Subject, SafetyProblem), stop: &_| checker.check(problem, stop);
+        let own: Vec<(&TestedDatapath, SafetyProblem)> = shard.of(problems).collect();
+        let check = |(_, problem): &(&TestedDatapath, SafetyProblem), stop: &_| checker.check(problem, stop);
         let results = pool::map(&own, pool::ALL_CORES, request.proceed, check)?;
         let mut proved = 0;
         for ((subject, problem), result) in own.iter().zip(results) {
@@ -83,7 +83,7 @@ const FAILURES_SHOWN: usize = 8;
 
 /// The datapaths of a level. Regression: one of each kind of control, one with clock gates. Full: the presets,
 /// and every pair of values, with no lanes, 2 or 4: more lanes widen data and repeat accumulators.
-fn subjects(level: Level) -> Result<Vec<Subject>, Error> {
+fn subjects(level: Level) -> Result<Vec<TestedDatapath>, Error> {
     let configs = match level {
         Level::Regression => {
             let [skid, credit] =
@@ -92,5 +92,5 @@ fn subjects(level: Level) -> Result<Vec<Subject>, Error> {
         }
         Level::Full | Level::Long => presets_and_pairs(&Space::new(&|_| true).with("lanes", &["none", "2", "4"])?),
     };
-    Ok(configs.into_iter().map(Subject::from).collect())
+    Ok(configs.into_iter().map(TestedDatapath::from).collect())
 }

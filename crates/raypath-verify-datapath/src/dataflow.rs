@@ -20,7 +20,7 @@ use design::Design;
 use problem::Problem;
 use raypath_float::Format;
 use raypath_hdl::{Module, verilog, with_enables};
-use raypath_rtl::{Config, Datapath, PRESETS};
+use raypath_rtl::{Config, DatapathNetlist, PRESETS};
 use raypath_tools::{Cache, Key, SmtSolver, ToolError, Yosys, YosysKind, read, temporary_folder, write};
 use raypath_verify::safety::{ModuleTexts, TextFault};
 use raypath_verify::{Error, Level, Request, Verdict};
@@ -31,7 +31,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use subjects::Subject;
+use subjects::ProvedDatapath;
 
 /// Proves the operations of the level's configurations, or of the one that the request names, with each of its added
 /// operations by itself.
@@ -43,7 +43,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
         true => subjects::of(request.config, &request.added),
         false => subjects::chosen(request.level),
     };
-    let faults = FAULTS.iter().map(|fault| (Subject::default(), Some(*fault)));
+    let faults = FAULTS.iter().map(|fault| (ProvedDatapath::default(), Some(*fault)));
     let work: Vec<Work> = faults.chain(subjects.into_iter().map(|subject| (subject, None))).collect();
     let (level, shard, mut is_stopped) = (request.level, request.shard, false);
     let shards = request.parts.phase(|| {
@@ -83,7 +83,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
 /// A program is missing or fails; the configuration cannot be elaborated.
 pub fn still_computes(config: Config, top: &Arc<Module>, limit: Duration) -> Result<bool, Error> {
     let prover = DataflowProver { whole_limit: limit, limit_by_output: None, ..DataflowProver::find(false)? };
-    let (subject, stop) = (Subject::from(config), &AtomicBool::new(false));
+    let (subject, stop) = (ProvedDatapath::from(config), &AtomicBool::new(false));
     let datapath = subject.elaborate()?;
     let top = with_enables(top);
     let design = prover.design(&ModuleTexts::new(&top)?.with(top.name(), ""), top.name(), stop)?;
@@ -141,7 +141,7 @@ const fn fault(module: &'static str, from: &'static str, to: &'static str) -> Te
 }
 
 /// A proof, or a fault to refute.
-type Work = (Subject, Option<TextFault>);
+type Work = (ProvedDatapath, Option<TextFault>);
 
 /// What was tried.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -233,7 +233,7 @@ impl DataflowProver {
         for conversion in conversions {
             problems.extend(self.conversion(&datapath, subject.config.semantics.format, conversion, stop)?);
         }
-        let is_preset = fault.is_none() && PRESETS.iter().any(|preset| Subject::from(preset.config) == *subject);
+        let is_preset = fault.is_none() && PRESETS.iter().any(|preset| ProvedDatapath::from(preset.config) == *subject);
         let mut found = Found::default();
         for problem in &problems {
             match self.failure(problem, fault.is_some(), stop)? {
@@ -259,7 +259,7 @@ impl DataflowProver {
     /// The problem of a unit of one operand, if the datapath has it.
     fn conversion(
         &self,
-        datapath: &Datapath,
+        datapath: &DatapathNetlist,
         format: Format,
         conversion: Conversion,
         stop: &AtomicBool,
@@ -342,7 +342,7 @@ mod tests {
         let (answers, found) = (Cache::new(folder.path()), DataflowProver::find(false).expect("Yosys and Z3"));
         let prover = DataflowProver { whole_limit: Duration::ZERO, answers, ..found };
         let tried = |fault: Option<TextFault>| {
-            let work = (Subject::from(Config::DEFAULT.lanes(Lanes::None)), fault);
+            let work = (ProvedDatapath::from(Config::DEFAULT.lanes(Lanes::None)), fault);
             prover.proved(&work, &AtomicBool::new(false)).expect("a result")
         };
         let right = tried(None);

@@ -5,9 +5,9 @@ pub mod control;
 pub mod coverage;
 pub mod covering;
 pub mod dataflow;
+pub mod datapaths;
 pub mod geometry;
 pub mod models;
-pub mod subjects;
 mod text_coverage;
 
 pub use raypath_oracle::{exact as oracle, layout, stimuli};

@@ -3,7 +3,7 @@
 //! must be refuted by the same jobs.
 
 use crate::campaign::failure::reduced;
-use crate::subjects::{self, Subject};
+use crate::datapaths::{self, TestedDatapath};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::{Model, OperationId, WordModel, Words};
@@ -29,8 +29,8 @@ const ENOUGH: u64 = 32;
 pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
     let jobs = request.jobs.unwrap_or(request.level.pick(4_000_000, 100_000_000, 1_000_000_000));
     let of_each = request.level.pick(JOBS_PER_STREAM, 40 * JOBS_PER_STREAM, 400 * JOBS_PER_STREAM);
-    let others = if request.is_chosen { Vec::new() } else { subjects::all() };
-    let subjects: Vec<Subject> = [Subject::of(request)].into_iter().chain(others).collect();
+    let others = if request.is_chosen { Vec::new() } else { datapaths::all() };
+    let subjects: Vec<TestedDatapath> = [TestedDatapath::of(request)].into_iter().chain(others).collect();
     // The streams of all subjects in turn; then those of the first, which has more.
     let (count, streams) = (subjects.len() as u64, jobs.div_ceil(JOBS_PER_STREAM));
     let in_turn = count * of_each.min(jobs).div_ceil(JOBS_PER_STREAM);
@@ -90,7 +90,7 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn new(subject: &Subject) -> Self {
+    fn new(subject: &TestedDatapath) -> Self {
         let model = subject.datapath().model();
         let oracle = Oracle::new(subject.config.semantics, &model);
         Self { mistakes: mistakes(subject, &model.kinds()), model, oracle }
@@ -129,7 +129,7 @@ impl Prepared {
     }
 
     /// Writes the fewest jobs that still have a wrong outcome as a transaction file with the oracle's outcomes.
-    fn report(&self, subject: &Subject, jobs: Vec<Words>, folder: &Path) -> Result<String, Error> {
+    fn report(&self, subject: &TestedDatapath, jobs: Vec<Words>, folder: &Path) -> Result<String, Error> {
         let fails = |jobs: &[Words]| {
             let (mut oracle, mut model) = (self.oracle.clone(), self.model.clone());
             jobs.iter().any(|job| differs(&mut oracle, job, &model.run(job)).is_some())
@@ -159,7 +159,7 @@ fn differs(oracle: &mut Oracle, job: &Words, found: &Words) -> Option<String> {
 }
 
 /// The mistakes that change an outcome of a datapath with these operations.
-fn mistakes(subject: &Subject, kinds: &[OperationId]) -> Vec<Mistake> {
+fn mistakes(subject: &TestedDatapath, kinds: &[OperationId]) -> Vec<Mistake> {
     let (semantics, features) = (subject.config.semantics, subject.config.semantics.features);
     let has = |names: &[&str]| kinds.iter().any(|kind| names.contains(&kind.name()));
     let (is_chisel, is_sum) = (semantics.rules == Rules::Chisel, semantics.rounding == Rounding::Sum);

@@ -6,7 +6,7 @@ mod datapath;
 mod reachable;
 
 use crate::campaign::FOLDER;
-use crate::subjects::Subject;
+use crate::datapaths::TestedDatapath;
 use choices::choices;
 use constants::{Bit, constants, places};
 use datapath::Design;
@@ -46,9 +46,9 @@ fn bar(design: &str, kind: CoverageKind) -> f64 {
 /// A program is missing or fails; a design cannot be built; a file cannot be written.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (level, seed, shard) = (request.level, request.seed, request.shard);
-    let choices = if request.is_chosen { vec![Subject::of(request)] } else { choices(level)? };
+    let choices = if request.is_chosen { vec![TestedDatapath::of(request)] } else { choices(level)? };
     let shards = request.parts.phase(|| {
-        let own: Vec<(usize, &Subject)> = shard.of(choices.iter().enumerate()).collect();
+        let own: Vec<(usize, &TestedDatapath)> = shard.of(choices.iter().enumerate()).collect();
         pool::map(&own, pool::ALL_CORES, request.proceed, |(number, choice), _| {
             // Whatever is left out costs runs.
             let has_controls = *number == 0 || level > Level::Full;
@@ -122,7 +122,7 @@ struct Found {
 
 impl Found {
     /// The coverage of so many runs of a design, and the runs that leave something out if it has controls.
-    fn of(subject: &Subject, runs: u64, seed: u64, has_controls: bool) -> Result<Self, Error> {
+    fn of(subject: &TestedDatapath, runs: u64, seed: u64, has_controls: bool) -> Result<Self, Error> {
         let design = Design::new(subject)?;
         let mut covered = Covered::new(&design)?;
         let mut failures = Vec::new();

@@ -1,7 +1,7 @@
 //! Proofs of the control: they hold for the design, and the same commands find deliberate faults.
 
 use raypath_hdl::Builder;
-use raypath_rtl::{Config, Control, Datapath, Interval, Lanes, UnitLatency};
+use raypath_rtl::{Config, Control, DatapathNetlist, Interval, Lanes, UnitLatency};
 use raypath_verify::safety::{CheckResult, ModelChecker, ModuleTexts, TextFault};
 use raypath_verify_datapath::control::{data_faults, never_leaves, problems, structural_faults};
 use std::sync::atomic::AtomicBool;
@@ -14,7 +14,7 @@ fn config(control: Control) -> Config {
 
 /// The result of the problem whose name begins with `name`, of a design with or without a fault.
 fn result(config: Config, name: &str, fault: Option<TextFault>) -> Option<CheckResult> {
-    let datapath = Datapath::new(config).expect("a datapath");
+    let datapath = DatapathNetlist::new(config).expect("a datapath");
     let mut texts = ModuleTexts::new(datapath.top()).expect("text");
     assert!(fault.is_none_or(|fault| texts.insert(fault)), "{fault:?}");
     let all = problems(&datapath, config, &texts).expect("the text of a pipeline");
@@ -89,7 +89,7 @@ fn the_structure_holds_and_jobs_leave() {
     let checker = ModelChecker::find().expect("pyosys");
     for &control in Control::ALL {
         let config = config(control);
-        let datapath = Datapath::new(config).expect("a datapath");
+        let datapath = DatapathNetlist::new(config).expect("a datapath");
         assert_eq!(structural_faults(&datapath, config).expect("no loop"), Vec::<String>::new());
         let texts = ModuleTexts::new(datapath.top()).expect("text");
         let mut never = never_leaves(&datapath, config, &texts, "raypath_input");

@@ -1,7 +1,7 @@
 //! The verdict that is merged from the parts of shards is that of one machine.
 
 use raypath_ops::Rules;
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use raypath_sim::engine::shape;
 use raypath_verify::{Error, Request, Verdict};
 use raypath_verify_datapath::campaign::verify_module;
@@ -53,8 +53,8 @@ fn merged_verdicts_are_those_of_one_machine() {
 #[test]
 fn a_merged_failure_is_that_of_one_machine() {
     let folder = tempfile::tempdir().expect("a folder");
-    let expected = Datapath::new(Config::DEFAULT).expect("a datapath");
-    let wrong = Datapath::new(Config::DEFAULT.rules(Rules::Chisel)).expect("a datapath");
+    let expected = DatapathNetlist::new(Config::DEFAULT).expect("a datapath");
+    let wrong = DatapathNetlist::new(Config::DEFAULT.rules(Rules::Chisel)).expect("a datapath");
     let shape = shape(Config::DEFAULT, &expected);
     let run = |request: &mut Request<'_>, is_whole: bool| {
         let folder = folder.path().join(if is_whole { "whole" } else { "shard" });

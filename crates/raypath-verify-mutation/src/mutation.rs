@@ -5,7 +5,7 @@ mod trial;
 mod units;
 
 use crate::report::{Fate, Judged, Report};
-use mutant::{Mutant, Subject, choose, subjects};
+use mutant::{FaultyModule, Mutant, choose, subjects};
 use raypath_hdl::mutate::replace;
 use raypath_rtl::Config;
 use raypath_sim::lockstep::CONFIGS;
@@ -37,7 +37,7 @@ type Check<'a> = &'a (dyn Fn(&Trial<'_>) -> Result<Fate, Error> + Sync);
 
 /// Runs `check` on each mutant of the shard, on all cores.
 fn check_all(
-    subjects: &[Subject],
+    subjects: &[FaultyModule],
     mutants: &[Mutant<'_>],
     request: &mut Request<'_>,
     shard: Shard,

@@ -22,7 +22,7 @@ use raypath_verify::{Error, Request, Verdict};
 use raypath_verify_datapath::oracle::Oracle;
 use raypath_work::pool;
 use std::sync::atomic::AtomicBool;
-use subjects::{OracleOf, Planned, Subject, plan};
+use subjects::{FaultyOperation, OracleOf, Planned, plan};
 
 /// The file with the fate of each fault.
 const LIST: &str = "build/verify/operation-mutants.txt";
@@ -68,7 +68,7 @@ fn check_all(request: &mut Request<'_>, oracle: OracleOf<'_>) -> Result<Verdict,
 
 /// The fates of faults, by number; none if `stop` is set meanwhile.
 fn judged(
-    subject: &Subject<'_>,
+    subject: &FaultyOperation<'_>,
     chosen: &[usize],
     z3: &SmtSolver,
     stop: &AtomicBool,
@@ -82,7 +82,7 @@ fn judged(
 
 /// Tries to prove that survivors are equivalent.
 fn prove(
-    subject: &Subject<'_>,
+    subject: &FaultyOperation<'_>,
     chosen: &[usize],
     judged: &mut [Judged],
     z3: &SmtSolver,
@@ -109,7 +109,7 @@ fn prove(
     Ok(())
 }
 
-impl Subject<'_> {
+impl FaultyOperation<'_> {
     /// Runs a fault's jobs, until an outcome is wrong.
     fn judged(&self, fault: usize) -> Judged {
         let Planned { flow, faults, .. } = self.planned;

@@ -10,7 +10,7 @@ use raypath_model::Shape;
 use raypath_oracle::Checks;
 use raypath_rtl::package::Prefix;
 use raypath_rtl::report::tables;
-use raypath_rtl::{Datapath, package};
+use raypath_rtl::{DatapathNetlist, package};
 use raypath_sim::OperationId;
 use raypath_sim::files::{in_folder, write_all};
 use raypath_sim::lockstep::{Comparison, Timing, lockstep, timing};
@@ -92,7 +92,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Streams random jobs through the netlist and the models, and measures its timing.
 fn check(
     whole: &raypath_sim::Datapath,
-    datapath: &Datapath,
+    datapath: &DatapathNetlist,
     arguments: &Arguments,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {

@@ -3,7 +3,7 @@
 use crate::verilator::representatives::REPRESENTATIVES;
 use rayon::prelude::*;
 use raypath_hdl::text::plain;
-use raypath_rtl::{Config, Datapath, Encoding, Lanes, PRESETS};
+use raypath_rtl::{Config, DatapathNetlist, Encoding, Lanes, PRESETS};
 use raypath_tools::{Sources, ToolError, lint_icarus, lint_slang, lint_verilator, lint_yosys};
 use std::path::{Path, PathBuf};
 
@@ -71,7 +71,7 @@ fn table_vi() -> Vec<Config> {
 }
 
 fn written(config: Config) -> Written {
-    let datapath = Datapath::new(config).expect("a datapath");
+    let datapath = DatapathNetlist::new(config).expect("a datapath");
     let folder = tempfile::tempdir().expect("a folder");
     let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
     let own = folder.path().join("plain");

@@ -1,13 +1,13 @@
 //! The assertions of `generate` in Verilator: they hold in the design, and fail in a design with a fault.
 
-use raypath_rtl::{Config, Datapath, Lanes};
+use raypath_rtl::{Config, DatapathNetlist, Lanes};
 use raypath_tools::{Options, Sources, ToolError, Verilated};
 
 /// Runs 500 cycles with stalls and bubbles and arbitrary data, from registers with random values, which are reset in
 /// cycle 20. `fault` replaces a text in `raypath_skid`.
 fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
     let config = Config::DEFAULT.lanes(Lanes::None).format("e3s3".parse().expect("a format"));
-    let datapath = Datapath::new(config).expect("a datapath");
+    let datapath = DatapathNetlist::new(config).expect("a datapath");
     let top = datapath.top();
     let folder = tempfile::tempdir().expect("a folder");
     let mut sources = Sources::write(top, folder.path()).expect("sources");

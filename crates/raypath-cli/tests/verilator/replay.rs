@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use raypath_hdl::Module;
 use raypath_model::Words;
 use raypath_ops::Rules;
-use raypath_rtl::{Config, Datapath, Lanes};
+use raypath_rtl::{Config, DatapathNetlist, Lanes};
 use raypath_sim::engine::{PortEncoding, shape};
 use raypath_sim::frames::{Answers, Cycle, Stimulus};
 use raypath_sim::jobs::random;
@@ -14,8 +14,8 @@ use raypath_sim::traffic::{Traffic, interleave};
 use raypath_tools::{Options, Sources, Verilated};
 
 /// A datapath in Verilator, with the assertions of its control bound.
-fn build(config: Config) -> (tempfile::TempDir, Datapath, Verilated) {
-    let datapath = Datapath::new(config).expect("a datapath");
+fn build(config: Config) -> (tempfile::TempDir, DatapathNetlist, Verilated) {
+    let datapath = DatapathNetlist::new(config).expect("a datapath");
     let folder = tempfile::tempdir().expect("a folder");
     let (top, path) = (datapath.top(), folder.path());
     let mut sources = Sources::write(top, path).expect("sources");

@@ -24,7 +24,7 @@ pub enum Marks {
 /// Runs `operation` once and returns its graph, unchecked.
 pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> OperationGraph<Stage> {
     let recording = Recording { marks, auto: Cell::new(marks == Marks::Ignored), ..Recording::default() };
-    let c = Recorder { recording: &recording };
+    let c = RecordingCircuit { recording: &recording };
     let mut inputs = Vec::new();
     let mut add_input = |kind, field: Field<'_>| {
         let id = c.add_input(kind, &field);
@@ -91,11 +91,11 @@ impl Recording {
 
 /// The recording circuit.
 #[derive(Clone, Copy)]
-struct Recorder<'g> {
+struct RecordingCircuit<'g> {
     recording: &'g Recording,
 }
 
-impl Recorder<'_> {
+impl RecordingCircuit<'_> {
     fn push(self, kind: Kind, op: Op) -> NodeId {
         self.push_at(Stage(self.recording.stage.get()), kind, op)
     }
@@ -145,7 +145,7 @@ impl Recorder<'_> {
 
 const BIT: Kind = Kind::Word(1);
 
-impl Circuit for Recorder<'_> {
+impl Circuit for RecordingCircuit<'_> {
     type Num = NodeId;
     type Bit = NodeId;
     type Word = NodeId;
@@ -275,15 +275,15 @@ impl Circuit for Recorder<'_> {
     }
 }
 
-impl PartialEq for Recorder<'_> {
+impl PartialEq for RecordingCircuit<'_> {
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self.recording, other.recording)
     }
 }
 
-impl fmt::Debug for Recorder<'_> {
+impl fmt::Debug for RecordingCircuit<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Recorder")
+        f.write_str("RecordingCircuit")
     }
 }
 
@@ -299,18 +299,18 @@ fn name_of(field: &Field<'_>) -> String {
 /// The source of input values or of states: `add` adds a node. Not generic over the operation, so that it is compiled
 /// once.
 struct ValueSource<'s, 'g> {
-    c: Recorder<'g>,
+    c: RecordingCircuit<'g>,
     add: &'s mut dyn FnMut(Kind, Field<'_>) -> NodeId,
 }
 
-impl<'g> Source<Recorder<'g>> for ValueSource<'_, 'g> {
-    fn num(&mut self, field: Field<'_>) -> Num<Recorder<'g>> {
+impl<'g> Source<RecordingCircuit<'g>> for ValueSource<'_, 'g> {
+    fn num(&mut self, field: Field<'_>) -> Num<RecordingCircuit<'g>> {
         Num::new(self.c, (self.add)(Kind::Number, field))
     }
-    fn bit(&mut self, field: Field<'_>) -> Bit<Recorder<'g>> {
+    fn bit(&mut self, field: Field<'_>) -> Bit<RecordingCircuit<'g>> {
         Bit::new(self.c, (self.add)(BIT, field))
     }
-    fn word(&mut self, field: Field<'_>, width: u32) -> (Recorder<'g>, NodeId) {
+    fn word(&mut self, field: Field<'_>, width: u32) -> (RecordingCircuit<'g>, NodeId) {
         (self.c, (self.add)(Kind::Word(width), field))
     }
 }
@@ -318,11 +318,11 @@ impl<'g> Source<Recorder<'g>> for ValueSource<'_, 'g> {
 /// A sink that passes on each field with its node. Not generic, like [`ValueSource`].
 struct NodeSink<'s>(&'s mut dyn FnMut(Field<'_>, NodeId));
 
-impl<'g> Sink<Recorder<'g>> for NodeSink<'_> {
-    fn num(&mut self, field: Field<'_>, value: Num<Recorder<'g>>) {
+impl<'g> Sink<RecordingCircuit<'g>> for NodeSink<'_> {
+    fn num(&mut self, field: Field<'_>, value: Num<RecordingCircuit<'g>>) {
         (self.0)(field, value.value);
     }
-    fn bit(&mut self, field: Field<'_>, value: Bit<Recorder<'g>>) {
+    fn bit(&mut self, field: Field<'_>, value: Bit<RecordingCircuit<'g>>) {
         (self.0)(field, value.value);
     }
     fn word(&mut self, field: Field<'_>, _width: u32, value: NodeId) {

@@ -3,7 +3,7 @@
 use super::Files;
 use super::manifest::Sources;
 use crate::report::picture;
-use crate::{Config, Datapath};
+use crate::{Config, DatapathNetlist};
 use raypath_hdl::{Error, Module, text, verilog};
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// A datapath that cannot be printed: different modules of one name.
-pub fn design(datapath: &Datapath, config: Config, description: &str) -> Result<Files, Error> {
+pub fn design(datapath: &DatapathNetlist, config: Config, description: &str) -> Result<Files, Error> {
     let banner = &banner(description);
     let Printed { mut files, names, all } = Printed::of(datapath.top(), banner)?;
     files.push(("raypath.f".into(), list(&names)));

@@ -1,6 +1,6 @@
 //! The wrapper and its package.
 
-use crate::Datapath;
+use crate::DatapathNetlist;
 use crate::package::fields::Field;
 use crate::package::structures::{JOB_TYPE, OUTCOME_TYPE, Structures};
 use crate::package::text::{columns, licensed};
@@ -8,7 +8,7 @@ use raypath_hdl::text::{Package, Structure};
 use raypath_hdl::verilog::{head, print_package};
 
 /// The package of the wrapper's structures. Opcodes are in the package of the datapath.
-pub fn package(datapath: &Datapath, structures: &Structures, banner: &[String]) -> String {
+pub fn package(datapath: &DatapathNetlist, structures: &Structures, banner: &[String]) -> String {
     let name = datapath.top().name();
     let structure = |structure: &crate::package::structures::Structure| Structure {
         name: structure.name.clone(),
@@ -28,7 +28,7 @@ pub fn package(datapath: &Datapath, structures: &Structures, banner: &[String]) 
 }
 
 /// The wrapper. It has no logic.
-pub fn module(datapath: &Datapath, job: &[Field], outcome: &[Field], banner: &[String]) -> String {
+pub fn module(datapath: &DatapathNetlist, job: &[Field], outcome: &[Field], banner: &[String]) -> String {
     let top = datapath.top();
     let name = top.name();
     let doc = [

@@ -2,7 +2,7 @@
 
 use crate::report::drawing::{self, rectangle, text};
 use crate::report::tables::list;
-use crate::{Config, Control, Datapath, StageNote};
+use crate::{Config, Control, DatapathNetlist, StageNote};
 use svg::node::element::{Group, Title};
 
 const LEFT: i32 = 96;
@@ -25,7 +25,7 @@ const COLOURS: [(&str, &str); 8] = [
 
 /// The pipeline of a datapath as SVG: a column for each stage with its registers, a row for each operation with its
 /// units, the shared units, and the bits that cross each boundary.
-pub fn pipeline(datapath: &Datapath, config: Config) -> String {
+pub fn pipeline(datapath: &DatapathNetlist, config: Config) -> String {
     let columns = datapath.latency() as i32;
     let operations = datapath.schedule(1);
     let rows = operations.len() as i32;
@@ -71,7 +71,7 @@ pub fn pipeline(datapath: &Datapath, config: Config) -> String {
     picture.to_string() + "\n"
 }
 
-fn caption(datapath: &Datapath, config: Config) -> String {
+fn caption(datapath: &DatapathNetlist, config: Config) -> String {
     let bars = match config.microarchitecture.control {
         Control::Skid => "each bar between stages is a skid buffer",
         Control::Credit => "each bar between stages is a register that never stalls",

@@ -1,7 +1,7 @@
 //! The datapath in tables: schedule (Table VII), units (Table VIII) and registers, all computed from the netlist.
 
 use crate::{
-    Budget, Config, Datapath, EXCEPTIONS, Exception, Lanes, PRESETS, STAGES, StageNote, StepLabel, UnitKind,
+    Budget, Config, DatapathNetlist, EXCEPTIONS, Exception, Lanes, PRESETS, STAGES, StageNote, StepLabel, UnitKind,
     UnitLatency, Units,
 };
 use comfy_table::presets::ASCII_MARKDOWN;
@@ -9,7 +9,7 @@ use comfy_table::{ContentArrangement, Table};
 use raypath_ops::{JobKind, Rules};
 
 /// Table VII: the work of each operation in each step.
-pub fn schedule(datapath: &Datapath) -> String {
+pub fn schedule(datapath: &DatapathNetlist) -> String {
     let mut table = new_table();
     let operations: Vec<&str> = datapath.schedule(1).iter().map(|note| note.operation).collect();
     table.set_header([&["stage"], operations.as_slice()].concat());
@@ -22,7 +22,7 @@ pub fn schedule(datapath: &Datapath) -> String {
 }
 
 /// The work of one operation in each step, and the units of the step for all operations.
-pub fn schedule_of(datapath: &Datapath, operation: &str) -> String {
+pub fn schedule_of(datapath: &DatapathNetlist, operation: &str) -> String {
     let mut table = new_table();
     table.set_header(["stage", operation, "units that are there"]);
     for (index, step) in datapath.steps().enumerate().skip(1) {
@@ -44,7 +44,7 @@ fn cell(note: &StageNote) -> String {
 
 /// The units of each step and the registers after it. For the configurations of Table VIII, the units there, and the
 /// reasons for differences.
-pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
+pub fn units_and_registers(datapath: &DatapathNetlist, config: Config) -> String {
     let has_paper = is_in_table_viii(config);
     let row = |stage: &str, units: Units, paper: Units, live: u64, flip_flops: u64, why: &str| {
         let mut cells = vec![stage.to_string(), list(units), live.to_string(), flip_flops.to_string()];
@@ -102,9 +102,9 @@ pub fn exceptions() -> String {
     table.to_string()
 }
 
-/// The reason why a step, by its index in [`Datapath::steps`], has other units than its stage in Table VIII; empty if
+/// The reason why a step, by its index in [`DatapathNetlist::steps`], has other units than its stage in Table VIII; empty if
 /// it has the same.
-pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'static str> {
+pub fn difference(datapath: &DatapathNetlist, config: Config, index: usize) -> Vec<&'static str> {
     let Some(step) = datapath.steps().nth(index) else { return Vec::new() };
     let (ours, paper) = (datapath.units(index), paper_units(step));
     let mut causes = Vec::new();

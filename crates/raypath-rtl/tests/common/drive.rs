@@ -1,7 +1,7 @@
 //! Jobs through the netlist of a datapath.
 
 use raypath_hdl::{InputPort, OutputPort, Simulator};
-use raypath_rtl::Datapath;
+use raypath_rtl::DatapathNetlist;
 use std::collections::BTreeMap;
 
 /// The values of ports, by name without direction.
@@ -9,7 +9,7 @@ pub type Ports = BTreeMap<String, u64>;
 
 /// Sends jobs through a netlist, with a source and a sink that pause in cycles for which `pauses` returns true. Returns
 /// the values of all output ports for each job, and the cycle that shows the first.
-pub fn drive(datapath: &Datapath, jobs: &[Ports], mut pauses: impl FnMut() -> bool) -> (Vec<Ports>, u32) {
+pub fn drive(datapath: &DatapathNetlist, jobs: &[Ports], mut pauses: impl FnMut() -> bool) -> (Vec<Ports>, u32) {
     let top = datapath.top();
     let mut simulator = Simulator::new(top).expect("a netlist");
     let input = |name: &str| simulator.input(name).expect(name);

@@ -4,7 +4,7 @@ use super::drive::{Ports, drive};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::{Concrete, Operation, Port, PortKind, from_words, ports_of, to_canonical_words};
-use raypath_rtl::{Config, Datapath, Encoding, OperationVisitor};
+use raypath_rtl::{Config, DatapathNetlist, Encoding, OperationVisitor};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
@@ -65,7 +65,7 @@ impl<C: Concrete + 'static> Driver<C> {
 
     /// Sends `jobs` jobs through the netlist, with random pauses of source and sink. Returns the expected values of
     /// each output port.
-    pub fn run(mut self, name: &str, datapath: &Datapath, jobs: usize) -> BTreeMap<String, BTreeSet<u64>> {
+    pub fn run(mut self, name: &str, datapath: &DatapathNetlist, jobs: usize) -> BTreeMap<String, BTreeSet<u64>> {
         let mut rng = ChaCha8Rng::seed_from_u64(jobs as u64);
         let (inputs, outputs) = (datapath.top().inputs(), datapath.top().outputs());
         for runner in &self.operations {

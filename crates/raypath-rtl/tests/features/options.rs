@@ -13,7 +13,7 @@ use raypath_ops::{
     Rules, WIDENING_ULPS,
 };
 use raypath_rtl::{
-    Accumulators, Config, Control, Datapath, Encoding, Error, Features, Lanes, Multiplier, OperationVisitor,
+    Accumulators, Config, Control, DatapathNetlist, Encoding, Error, Features, Lanes, Multiplier, OperationVisitor,
     Operations, Sharing, UnitLatency,
 };
 
@@ -53,7 +53,7 @@ const ALL: Features = Features {
 const SMALL: Config = Config::DEFAULT.lanes(Lanes::Two);
 
 /// All modules as text.
-fn text(datapath: &Datapath) -> String {
+fn text(datapath: &DatapathNetlist) -> String {
     verilog::text(datapath.top()).expect("modules")
 }
 
@@ -68,7 +68,7 @@ fn features_that_are_off_add_no_hardware() {
             .and_then(|set| set.with(&Angular::<8> { rounding }, JobKind::Angular.opcode()))
             .expect("operations");
         let config = Config::DEFAULT.rules(rules).features(Features::default());
-        let (plain, off) = (Datapath::build(plain, config.microarchitecture), Datapath::new(config));
+        let (plain, off) = (DatapathNetlist::build(plain, config.microarchitecture), DatapathNetlist::new(config));
         assert!(text(&plain.expect("a datapath")) == text(&off.expect("a datapath")));
     }
     assert_eq!(Config::DEFAULT.semantics.features, Features::default());
@@ -114,7 +114,7 @@ fn features_are_the_same_in_other_formats() {
 /// A job whose opcode is not configured passes through like any other, and all its outputs are zero.
 #[test]
 fn unsupported_opcodes_yield_zeros_after_the_latency() {
-    let datapath = Datapath::new(Config::DEFAULT.lanes(Lanes::None)).expect("a datapath");
+    let datapath = DatapathNetlist::new(Config::DEFAULT.lanes(Lanes::None)).expect("a datapath");
     let mut rng = ChaCha8Rng::seed_from_u64(16);
     let stems: Vec<&str> = datapath.top().inputs().iter().map(|port| port.stem()).collect();
     let words = stems.into_iter().filter(|stem| !["input_valid", "output_ready", "opcode"].contains(stem));
@@ -197,11 +197,11 @@ fn configurations_name_their_features() {
 #[test]
 fn a_tag_that_is_too_wide_or_has_the_port_of_another_is_refused() {
     let config = SMALL.tag(33);
-    let error = Datapath::new(config).expect_err("a wide tag");
+    let error = DatapathNetlist::new(config).expect_err("a wide tag");
     assert_eq!(config.check(), Err(error.clone()));
     assert_eq!(error.to_string(), "tag: 33 bits, expected 1 to 32, or 0 for none");
     let operations = Operations::new().with(&Tagged, 0).expect("an operation").tag(4);
-    assert!(matches!(Datapath::of(operations), Err(Error::Feature { feature: "tag", .. })));
+    assert!(matches!(DatapathNetlist::of(operations), Err(Error::Feature { feature: "tag", .. })));
 }
 
 raypath_ops::bundle! {
@@ -246,7 +246,7 @@ fn a_visitor_sees_what_the_hardware_has() {
 #[test]
 fn costs() {
     let of = |features| {
-        let datapath = Datapath::new(Config::DEFAULT.features(features)).expect("a datapath");
+        let datapath = DatapathNetlist::new(Config::DEFAULT.features(features)).expect("a datapath");
         let mut units = [0_usize; 3];
         for step in 0..datapath.steps().count() {
             let here = datapath.units(step);

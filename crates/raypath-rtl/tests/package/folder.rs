@@ -1,15 +1,15 @@
 //! A folder with the files that `raypath generate` writes.
 
 use raypath_hdl::verilog;
-use raypath_rtl::{Datapath, Preset};
+use raypath_rtl::{DatapathNetlist, Preset};
 use std::path::{Path, PathBuf};
 
 /// The configurations of these tests: all operations and fewer, other widths, both kinds of control.
 pub const PRESETS: [&str; 4] = ["paper", "graphics", "half", "credit"];
 
-pub fn preset(name: &str) -> Datapath {
+pub fn preset(name: &str) -> DatapathNetlist {
     let preset: Preset = name.parse().expect("a preset");
-    Datapath::new(preset.config).expect("a datapath")
+    DatapathNetlist::new(preset.config).expect("a datapath")
 }
 
 /// A folder with all files; `files` has those of `raypath_rtl::package`, by path.
@@ -19,7 +19,7 @@ pub struct Written {
     pub files: Vec<(PathBuf, String)>,
 }
 
-pub fn write(datapath: &Datapath) -> Written {
+pub fn write(datapath: &DatapathNetlist) -> Written {
     let folder = tempfile::tempdir().expect("a folder");
     let files = raypath_rtl::package::files(datapath, &["Made by a test.".to_string()]).expect("files");
     let module = |name: &str, text: String| put(&folder.path().join(format!("rtl/{name}.sv")), &text);

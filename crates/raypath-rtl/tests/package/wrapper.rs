@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
 use raypath_hdl::{Builder, Module};
 use raypath_ops::{Circuit, Num, Operation, bundle};
-use raypath_rtl::{Config, Control, Datapath, Lanes, Operations};
+use raypath_rtl::{Config, Control, DatapathNetlist, Lanes, Operations};
 use raypath_tools::{Options, ToolError, Verilated, lint_slang, lint_verilator, lint_yosys};
 use std::fmt::Write;
 use std::fs;
@@ -62,7 +62,7 @@ fn a_fault_in_the_wrapper_is_found() {
 fn it_equals_the_bare_datapath() {
     // All kinds of ports, and narrow numbers.
     let config = Config::DEFAULT.lanes(Lanes::Two).format(Format::BINARY16).control(Control::Credit);
-    let datapath = Datapath::new(config).expect("a datapath");
+    let datapath = DatapathNetlist::new(config).expect("a datapath");
     let top = datapath.top();
     let written = write(&datapath);
     let flat = written.path().join("flat.sv");
@@ -211,7 +211,7 @@ impl Operation for Sum {
 #[test]
 fn any_operation_is_wrapped() {
     let operations = Operations::new().with(&Sum, 5).expect("an operation");
-    let written = write(&Datapath::of(operations).expect("a datapath"));
+    let written = write(&DatapathNetlist::of(operations).expect("a datapath"));
     lint_files(&written.listed(), &written, "raypath_wrapper").unwrap_or_else(|fault| panic!("{fault}"));
     let package = fs::read_to_string(written.path().join("rtl/raypath_pkg.sv")).expect("text");
     assert!(package.contains("OpSumOfAll = 3'd5"), "{package}");

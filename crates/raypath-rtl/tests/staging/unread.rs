@@ -4,7 +4,7 @@ use crate::common::drive::drive;
 use crate::staging::{Input, Output, arithmetic, assert_within, units};
 use raypath_float::flags;
 use raypath_ops::{Circuit, Num, Operation, bundle};
-use raypath_rtl::{Budget, Datapath, Error, Microarchitecture, Operations, UnitLatency, Units};
+use raypath_rtl::{Budget, DatapathNetlist, Error, Microarchitecture, Operations, UnitLatency, Units};
 
 bundle! {
     /// One number from job to job.
@@ -55,7 +55,8 @@ fn dead_values_change_nothing() {
             let microarchitecture = Microarchitecture { unit_latency, ..Microarchitecture::DEFAULT };
             let [without, with] = [false, true].map(|has_unread| {
                 let set = Operations::new().with(&Sum { has_unread, is_auto }, 0).expect("an operation");
-                Datapath::build(set, microarchitecture).unwrap_or_else(|error| panic!("automatic {is_auto}: {error}"))
+                DatapathNetlist::build(set, microarchitecture)
+                    .unwrap_or_else(|error| panic!("automatic {is_auto}: {error}"))
             });
             assert_eq!(with.latency(), without.latency());
             assert_eq!(with.loops(), without.loops());
@@ -76,9 +77,9 @@ operation!(Sums, |c, i| {
 });
 
 /// Elaborates an operation with exception flags and a budget of `limits` in every stage.
-fn flagged<O: Operation>(operation: &O, limits: Units) -> Result<Datapath, Error> {
+fn flagged<O: Operation>(operation: &O, limits: Units) -> Result<DatapathNetlist, Error> {
     let set = Operations::new().within(Budget::by_stage(|_| limits)).exception_flags(true);
-    set.with(operation, 0).and_then(Datapath::of)
+    set.with(operation, 0).and_then(DatapathNetlist::of)
 }
 
 #[test]
@@ -115,7 +116,7 @@ fn too_long_a_chain_counts_where_its_exceptions_do() {
         let _power = (0..12).fold(i.n[0], |power, _| power * i.n[1]);
         Output { number: i.n[2] + i.n[3] }
     });
-    let set = |are_there| Operations::new().exception_flags(are_there).with(&Long, 0).and_then(Datapath::of);
+    let set = |are_there| Operations::new().exception_flags(are_there).with(&Long, 0).and_then(DatapathNetlist::of);
     assert!(set(false).is_ok());
     let error = set(true).expect_err("12 units in 10 stages");
     assert!(matches!(error, Error::TooLong { needed: 12, last: 10, .. }), "{error}");

@@ -2,7 +2,7 @@ use crate::engine::{Engine, PortEncoding, Shown, shape};
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_model::{OperationId, Shape, WordModel, Words};
 use raypath_ops::{Port, PortKind};
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use std::sync::Arc;
 
 /// A simulated netlist as an engine.
@@ -58,7 +58,7 @@ impl NetlistEngine {
     /// # Errors
     /// A configuration that cannot be elaborated.
     pub fn new(model: WordModel, config: Config, observed: impl Fn(&str) -> bool) -> Result<Self, raypath_rtl::Error> {
-        Self::of(model, config, &Datapath::new(config)?, observed)
+        Self::of(model, config, &DatapathNetlist::new(config)?, observed)
     }
 
     /// Compiles the netlist of an elaborated configuration.
@@ -68,7 +68,7 @@ impl NetlistEngine {
     pub fn of(
         model: WordModel,
         config: Config,
-        datapath: &Datapath,
+        datapath: &DatapathNetlist,
         observed: impl Fn(&str) -> bool,
     ) -> Result<Self, raypath_rtl::Error> {
         Self::of_module(model, config, datapath.top(), shape(config, datapath), observed)

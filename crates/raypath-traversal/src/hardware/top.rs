@@ -20,7 +20,7 @@ use crate::step::{StepParameters, UnitFeatures};
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
 use raypath_ops::{Culling, JobKind};
-use raypath_rtl::{Config, Datapath, Features, Lanes, Operations, PARAMETER_GROUPS, Parameter};
+use raypath_rtl::{Config, DatapathNetlist, Features, Lanes, Operations, PARAMETER_GROUPS, Parameter};
 use std::sync::Arc;
 
 /// The unit's netlist and that of its datapath.
@@ -29,7 +29,7 @@ pub struct UnitNetlist {
     /// The module `raypath_unit`.
     pub top: Arc<Module>,
     /// Its datapath.
-    pub datapath: Datapath,
+    pub datapath: DatapathNetlist,
     /// The configuration of the datapath, with what the unit needs.
     pub config: Config,
     /// The parameters of the unit.
@@ -81,9 +81,11 @@ impl UnitNetlist {
 fn check(config: Config) -> Result<(), UnitError> {
     match fixed_parameters().find(|parameter| parameter.get(&config) != parameter.default()) {
         None => Ok(()),
-        Some(fixed) => {
-            Err(UnitError::Datapath { parameter: fixed.name, value: fixed.get(&config), expected: fixed.default() })
-        }
+        Some(fixed) => Err(UnitError::DatapathNetlist {
+            parameter: fixed.name,
+            value: fixed.get(&config),
+            expected: fixed.default(),
+        }),
     }
 }
 
@@ -98,14 +100,14 @@ pub fn fixed_parameters() -> impl Iterator<Item = &'static Parameter> {
 }
 
 /// The datapath of this configuration; with instances, it has the operation that transforms rays too.
-fn datapath(config: Config, parameters: UnitParameters) -> Result<Datapath, UnitError> {
+fn datapath(config: Config, parameters: UnitParameters) -> Result<DatapathNetlist, UnitError> {
     if !parameters.step.features.instances {
-        return Ok(Datapath::new(config)?);
+        return Ok(DatapathNetlist::new(config)?);
     }
     config.check()?;
     let mut operations = Operations::new().tag(config.semantics.features.tag);
     config.semantics.operations(&mut operations)?;
-    Ok(Datapath::build(operations.with(&Transform, TRANSFORM_OPCODE)?, config.microarchitecture)?)
+    Ok(DatapathNetlist::build(operations.with(&Transform, TRANSFORM_OPCODE)?, config.microarchitecture)?)
 }
 
 fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>, UnitError> {

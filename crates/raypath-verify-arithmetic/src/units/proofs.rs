@@ -6,12 +6,12 @@ mod lemma;
 mod linear;
 mod product;
 mod short;
-mod subject;
 mod sum;
+mod unit_claim;
 mod words;
 
 pub use claim::Claim;
-pub use subject::{Operands, Subject, Unit};
+pub use unit_claim::{Operands, Unit, UnitClaim};
 
 use product::Multiplier;
 use raypath_float::{DivSqrt, Format, Narrow};
@@ -141,11 +141,11 @@ pub fn unit_proofs(request: &mut Request<'_>) -> Result<Verdict, Error> {
     prove(request, 2, |_| claims(level).map(|(subject, format)| proof(subject, format)).collect())
 }
 
-fn proof(subject: Subject, format: Format) -> Result<Proof, Error> {
+fn proof(subject: UnitClaim, format: Format) -> Result<Proof, Error> {
     let claim = subject.claim(format)?;
     // Only some differences of exponents have the rounding that the adder's fault changes.
     let has_fault = match subject {
-        Subject::Rounds(_, operands) => matches!(operands, Operands::All | Operands::Difference(3)),
+        UnitClaim::Rounds(_, operands) => matches!(operands, Operands::All | Operands::Difference(3)),
         _ => true,
     };
     let faults = if has_fault { vec![claim.miter(true)?] } else { Vec::new() };
@@ -177,20 +177,20 @@ pub fn multiplication(request: &mut Request<'_>) -> Result<Verdict, Error> {
 
 /// The claims of a level, in the formats of presets and in small ones, whose proofs are short. Each level includes the
 /// claims of the shorter ones.
-fn claims(level: Level) -> impl Iterator<Item = (Subject, Format)> {
-    use Subject::{
+fn claims(level: Level) -> impl Iterator<Item = (UnitClaim, Format)> {
+    use Unit::{Add, Div, Mul, MulInferred, Sqrt};
+    use UnitClaim::{
         AddsIgnoredBits, BeginsDigits, Canonises, Compares, ComparesIgnoredBits, ComparesShort, DecodesShort, Encodes,
         Iterative, MultipliesIgnoredBits, Parts, RoundTrip, Rounds, RoundsDigits, ShortProduct, ShortProductParts,
         Shortening, Sum, WithFlags,
     };
-    use Unit::{Add, Div, Mul, MulInferred, Sqrt};
-    const fn rounds(unit: Unit) -> Subject {
+    const fn rounds(unit: Unit) -> UnitClaim {
         Rounds(unit, Operands::All)
     }
-    const fn product(bits: u32, away: bool) -> Subject {
+    const fn product(bits: u32, away: bool) -> UnitClaim {
         ShortProduct(Narrow { bits, away, margin: 0 })
     }
-    const fn rounding(bits: u32, away: bool, margin: u32) -> Subject {
+    const fn rounding(bits: u32, away: bool, margin: u32) -> UnitClaim {
         Shortening(Narrow { bits, away, margin })
     }
     const NARROW: Narrow = Narrow { bits: 13, away: true, margin: 0 };
@@ -200,7 +200,7 @@ fn claims(level: Level) -> impl Iterator<Item = (Subject, Format)> {
     const OTHERS: &[(u32, u32)] = &[(8, 8), (8, 11), (11, 24), (8, 4), (4, 7)];
     const BINARY: &[(u32, u32)] = &[(8, 24), (5, 11)];
     const BINARY32: &[(u32, u32)] = &[(8, 24)];
-    const FULL: &[(Subject, &[(u32, u32)])] = &[
+    const FULL: &[(UnitClaim, &[(u32, u32)])] = &[
         (rounds(Add), &[(5, 11), (8, 11), (8, 8), (4, 7), (8, 4)]),
         (rounds(Mul), &[(8, 8), (5, 6), (8, 4)]),
         (rounds(MulInferred), &[(5, 6)]),
@@ -224,7 +224,7 @@ fn claims(level: Level) -> impl Iterator<Item = (Subject, Format)> {
         (rounding(8, false, 1), BINARY32),
         (rounding(8, true, 1), BINARY32),
     ];
-    const REGRESSION: &[(Subject, &[(u32, u32)])] = &[
+    const REGRESSION: &[(UnitClaim, &[(u32, u32)])] = &[
         (Parts(Add, 2), BINARY),
         (Parts(Add, 3), BINARY),
         (Parts(Mul, 2), BINARY),

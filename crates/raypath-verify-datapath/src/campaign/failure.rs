@@ -1,7 +1,7 @@
 //! Reports of failing episodes. A failure is shrunk first: jobs and handshakes are removed while the
 //! trace still fails (delta debugging: Zeller and Hildebrandt, IEEE TSE 28(2), 2002).
 
-use crate::subjects::Subject;
+use crate::datapaths::TestedDatapath;
 use raypath_model::{Model, WordModel, Words};
 use raypath_sim::engine::{CycleEngine, NetlistEngine, observe};
 use raypath_sim::lockstep::{Difference, SideBySide};
@@ -20,7 +20,7 @@ use std::path::Path;
 pub fn report(
     netlist: &mut NetlistEngine,
     model: &WordModel,
-    subject: &Subject,
+    subject: &TestedDatapath,
     trace: Trace,
     folder: &Path,
 ) -> Result<String, Error> {

@@ -5,10 +5,10 @@
 //! assertions.
 
 use raypath_hdl::Module;
-use raypath_rtl::{Config, Control, Datapath};
+use raypath_rtl::{Config, Control, DatapathNetlist};
 
 /// The lemmas for the whole pipeline, as text to insert into its module.
-pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
+pub fn of_pipeline(datapath: &DatapathNetlist, config: Config) -> String {
     let mut steps: Vec<Step> = (0..datapath.steps().count())
         .filter_map(|step| datapath.module(step))
         .map(|module| Step::new(format!("{}.", module.name().replacen("raypath", "u", 1)), module))
@@ -50,7 +50,7 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
 }
 
 /// The lemmas for the exit's module. Its environment counts jobs as the checker does.
-pub fn of_exit(datapath: &Datapath) -> String {
+pub fn of_exit(datapath: &DatapathNetlist) -> String {
     let mut lemmas = Lemmas::new(datapath, 1);
     if let Some(module) = datapath.module(datapath.steps().count() - 1) {
         lemmas.exit(&Step::new(String::new(), module), lemmas.full - 1);
@@ -87,7 +87,7 @@ struct Lemmas {
 }
 
 impl Lemmas {
-    fn new(datapath: &Datapath, max_waits: usize) -> Self {
+    fn new(datapath: &DatapathNetlist, max_waits: usize) -> Self {
         let (full, width) = (datapath.capacity() as usize, datapath.top().port_width("opcode_i").unwrap_or(0) as usize);
         let mut lemmas = Self { full, width, max_waits, nets: String::new(), lemmas: Vec::new(), before: 0 };
         lemmas.observe("count", bits(full + 1), "u_order_properties.count_q");
@@ -205,7 +205,7 @@ impl Lemmas {
 
     /// The jobs before the exit of a folded pipeline: a slot for each position, whose opcode is in the registers before
     /// each step that reads it there.
-    fn positions(&mut self, datapath: &Datapath, config: Config, steps: &[Step]) {
+    fn positions(&mut self, datapath: &DatapathNetlist, config: Config, steps: &[Step]) {
         let (interval, count) = (datapath.interval(), datapath.latency() - 1);
         let at = self.observe("at", count as usize, "u_rounds.at_q");
         for distance in 1..interval.min(count) {

@@ -1,7 +1,7 @@
 //! The properties to prove of a datapath: of each step, of the entrance, and of the whole pipeline.
 
 use super::lemmas;
-use raypath_rtl::{Bind, Checker, Config, Control, Datapath, UnitLatency};
+use raypath_rtl::{Bind, Checker, Config, Control, DatapathNetlist, UnitLatency};
 use raypath_tools::ToolError;
 use raypath_verify::Error;
 use raypath_verify::safety::{Method, ModuleTexts, RESET, SafetyProblem};
@@ -10,7 +10,7 @@ use raypath_verify::safety::{Method, ModuleTexts, RESET, SafetyProblem};
 ///
 /// # Errors
 /// The text of the pipeline is not as it is printed.
-pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Result<Vec<SafetyProblem>, Error> {
+pub fn problems(datapath: &DatapathNetlist, config: Config, texts: &ModuleTexts) -> Result<Vec<SafetyProblem>, Error> {
     let properties = datapath.properties();
     let mut modules: Vec<&str> = properties.binds().iter().map(|bind| bind.module.as_str()).collect();
     modules.dedup();
@@ -87,7 +87,7 @@ fn problem(texts: &ModuleTexts, module: &str, binds: &[&Bind], environment: &str
 
 /// Assumptions about a module's neighbours: no job arrives at a full exit (`raypath_credit` ensures it), and no credit
 /// returns to `raypath_credit` that it has not given (the exit ensures it).
-fn environment(datapath: &Datapath, config: Config, module: &str) -> String {
+fn environment(datapath: &DatapathNetlist, config: Config, module: &str) -> String {
     let steps = datapath.steps().count();
     let is_exit = datapath.module(steps - 1).is_some_and(|last| last.name() == module);
     let (up, down, never) = match (config.microarchitecture.control, module) {
@@ -115,7 +115,7 @@ fn environment(datapath: &Datapath, config: Config, module: &str) -> String {
 }
 
 /// The property that no job ever leaves a module. It must be refuted; otherwise the module's other proofs are vacuous.
-pub fn never_leaves(datapath: &Datapath, config: Config, texts: &ModuleTexts, module: &str) -> SafetyProblem {
+pub fn never_leaves(datapath: &DatapathNetlist, config: Config, texts: &ModuleTexts, module: &str) -> SafetyProblem {
     let leaves = if module == datapath.top().name() { "output_valid_o && output_ready_i" } else { "valid_o" };
     let never = format!("  always_ff @(posedge clk_i) never_leaves: assert (!({leaves}));\n");
     SafetyProblem {

@@ -2,14 +2,14 @@
 //! and no handshake and no opcode depends on data.
 
 use raypath_hdl::{Driver, Module, RegisterInfo, SignalId, depends_combinationally, influences};
-use raypath_rtl::{Config, Control, Datapath};
+use raypath_rtl::{Config, Control, DatapathNetlist};
 use std::sync::Arc;
 
 /// The faults in a datapath's structure; empty if it is as required.
 ///
 /// # Errors
 /// The netlist has a combinational loop.
-pub fn structural_faults(datapath: &Datapath, config: Config) -> Result<Vec<String>, raypath_hdl::Error> {
+pub fn structural_faults(datapath: &DatapathNetlist, config: Config) -> Result<Vec<String>, raypath_hdl::Error> {
     let mut faults = Vec::new();
     // In a folded pipeline, data and opcode load in different rounds; lockstep with the models shows that they agree.
     if datapath.interval() == 1 {
@@ -43,7 +43,7 @@ pub fn data_faults(top: &Arc<Module>) -> Result<Vec<String>, raypath_hdl::Error>
 }
 
 /// Checks that every step takes valid, opcode and data from the step before, and ready from the step after.
-fn chain_faults(datapath: &Datapath, config: Config) -> Vec<String> {
+fn chain_faults(datapath: &DatapathNetlist, config: Config) -> Vec<String> {
     let top = datapath.top();
     let position = |name: &str| top.instances().iter().position(|instance| instance.module.name() == name);
     let steps: Vec<&str> =

@@ -6,15 +6,15 @@ use crate::covering::{Space, presets_and_pairs};
 use raypath_ops::operations::{NAMES, key_compare, octbox, point_in_box, quantised_box, sphere};
 use raypath_ops::{BoxBits, Culling, Operation, Rules};
 use raypath_rtl::{
-    Accumulators, Config, Control, Datapath, Encoding, Interval, Lanes, Multiplier, OperationVisitor, Operations,
-    Semantics, Sharing, UnitLatency, UnitSharing,
+    Accumulators, Config, Control, DatapathNetlist, Encoding, Interval, Lanes, Multiplier, OperationVisitor,
+    Operations, Semantics, Sharing, UnitLatency, UnitSharing,
 };
 use raypath_verify::{Error, Level};
 use std::fmt;
 
 /// A configuration, and an operation in addition to the paper's.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Subject {
+pub struct ProvedDatapath {
     /// The configuration.
     pub config: Config,
     /// The name of the added operation.
@@ -23,13 +23,13 @@ pub struct Subject {
     pub is_scheduled: bool,
 }
 
-impl From<Config> for Subject {
+impl From<Config> for ProvedDatapath {
     fn from(config: Config) -> Self {
         Self { config, ..Self::default() }
     }
 }
 
-impl fmt::Display for Subject {
+impl fmt::Display for ProvedDatapath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.config)?;
         self.added.map_or(Ok(()), |added| write!(f, " with {added}"))?;
@@ -39,9 +39,9 @@ impl fmt::Display for Subject {
 
 /// The subjects of a level. Regression: the default and representatives of the parameters. Full: all presets, every
 /// pair of values of the parameters, all added operations, automatic stages.
-pub(super) fn chosen(level: Level) -> Vec<Subject> {
-    let plain = Subject::from;
-    let with = |config, added| Subject { config, added: Some(added), is_scheduled: false };
+pub(super) fn chosen(level: Level) -> Vec<ProvedDatapath> {
+    let plain = ProvedDatapath::from;
+    let with = |config, added| ProvedDatapath { config, added: Some(added), is_scheduled: false };
     let small = Config::DEFAULT.lanes(Lanes::Two);
     let features = small.barycentrics(true).culling(Culling::None).facing(true).range(true).tag(7);
     if level == Level::Regression {
@@ -57,10 +57,10 @@ pub(super) fn chosen(level: Level) -> Vec<Subject> {
         ];
     }
     let scheduled = [Config::DEFAULT, small.rules(Rules::Chisel), features.control(Control::Credit)];
-    let mut subjects: Vec<Subject> =
-        presets_and_pairs(&Space::new(&is_answered)).into_iter().map(Subject::from).collect();
+    let mut subjects: Vec<ProvedDatapath> =
+        presets_and_pairs(&Space::new(&is_answered)).into_iter().map(ProvedDatapath::from).collect();
     subjects.extend(NAMES.iter().map(|name| with(small, name)));
-    subjects.extend(scheduled.map(|config| Subject { is_scheduled: true, ..plain(config) }));
+    subjects.extend(scheduled.map(|config| ProvedDatapath { is_scheduled: true, ..plain(config) }));
     subjects
 }
 
@@ -70,20 +70,21 @@ fn is_answered(config: Config) -> bool {
 }
 
 /// A configuration, with each of these added operations by itself if there are any.
-pub(super) fn of(config: Config, added: &[String]) -> Vec<Subject> {
+pub(super) fn of(config: Config, added: &[String]) -> Vec<ProvedDatapath> {
     let known = NAMES.iter().filter(|name| added.iter().any(|other| other == *name));
-    let with_each: Vec<Subject> = known.map(|name| Subject { added: Some(name), ..config.into() }).collect();
+    let with_each: Vec<ProvedDatapath> =
+        known.map(|name| ProvedDatapath { added: Some(name), ..config.into() }).collect();
     if with_each.is_empty() { vec![config.into()] } else { with_each }
 }
 
-impl Subject {
+impl ProvedDatapath {
     /// The datapath.
     ///
     /// # Errors
     /// It cannot be elaborated.
-    pub(super) fn elaborate(&self) -> Result<Datapath, Error> {
+    pub(super) fn elaborate(&self) -> Result<DatapathNetlist, Error> {
         if self.added.is_none() && !self.is_scheduled {
-            return Ok(Datapath::new(self.config)?);
+            return Ok(DatapathNetlist::new(self.config)?);
         }
         let Semantics { format, rounding, features, .. } = self.config.semantics;
         let mut operations = Operations::new().format(format).rounding(rounding).tag(features.tag);
@@ -93,13 +94,13 @@ impl Subject {
         }
         self.config.semantics.operations(&mut operations)?;
         self.added.map_or(Ok(()), |name| added(name, &mut operations))?;
-        Ok(Datapath::build(operations, self.config.microarchitecture)?)
+        Ok(DatapathNetlist::build(operations, self.config.microarchitecture)?)
     }
 
     /// The problems of all operations of the datapath, of which `design` is the text, perhaps with a fault in a stage.
     pub(super) fn problems(
         &self,
-        datapath: &Datapath,
+        datapath: &DatapathNetlist,
         design: &Design,
         has_fault: bool,
     ) -> Result<Vec<Problem>, Error> {

@@ -1,7 +1,7 @@
 //! The datapaths whose text is covered.
 
 use crate::covering::{Space, presets_and_pairs};
-use crate::subjects::Subject;
+use crate::datapaths::TestedDatapath;
 use raypath_float::Format;
 use raypath_ops::Culling;
 use raypath_ops::operations::NAMES;
@@ -13,7 +13,7 @@ use raypath_verify::{Error, Level};
 ///
 /// # Errors
 /// A number format that does not exist; a parameter without the values that are given here.
-pub fn choices(level: Level) -> Result<Vec<Subject>, Error> {
+pub fn choices(level: Level) -> Result<Vec<TestedDatapath>, Error> {
     let small = Config::DEFAULT.lanes(Lanes::Two).format(Format::new(4, 5)?);
     let features =
         Features { tag: 3, barycentrics: true, facing: true, culling: Culling::None, range: true, ..Features::OFF };
@@ -30,11 +30,11 @@ pub fn choices(level: Level) -> Result<Vec<Subject>, Error> {
         .with("format", &["e4s5", "bf16", "fp32"])?
         .with("box-bits", &["13", "8"])?
         .with("tag", &["0", "3"])?;
-    choices.extend(presets_and_pairs(&space).into_iter().map(Subject::from));
+    choices.extend(presets_and_pairs(&space).into_iter().map(TestedDatapath::from));
     let segregated = [small, small.format(Format::BINARY16)].map(|config| config.sharing(Sharing::Segregated));
-    choices.extend(segregated.map(Subject::from));
+    choices.extend(segregated.map(TestedDatapath::from));
     let boxes = small.lanes(Lanes::None).format(Format::BINARY16);
-    choices.extend(NAMES.iter().map(|name| Subject { added: vec![name.to_string()], ..boxes.into() }));
+    choices.extend(NAMES.iter().map(|name| TestedDatapath { added: vec![name.to_string()], ..boxes.into() }));
     Ok(choices)
 }
 

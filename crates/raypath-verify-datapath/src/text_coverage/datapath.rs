@@ -1,7 +1,7 @@
 //! A datapath, with the jobs and handshakes of campaigns.
 
 use crate::campaign::Episode;
-use crate::subjects::Subject;
+use crate::datapaths::TestedDatapath;
 use raypath_hdl::Module;
 use raypath_model::{OperationId, Shape, WordModel};
 use raypath_sim::engine::{PortEncoding, shape};
@@ -27,7 +27,7 @@ pub struct Design {
 pub type Cycles = (Vec<Vec<u64>>, Vec<Option<Expected>>);
 
 impl Design {
-    pub fn new(subject: &Subject) -> Result<Self, Error> {
+    pub fn new(subject: &TestedDatapath) -> Result<Self, Error> {
         let datapath = subject.datapath().elaborate()?;
         let (top, shape) = (datapath.top().clone(), shape(subject.config, &datapath));
         Ok(Self { encoding: PortEncoding::of(subject.config), model: subject.datapath().model(), top, shape })

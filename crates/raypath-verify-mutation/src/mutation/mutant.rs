@@ -7,14 +7,14 @@ use rand::seq::SliceRandom;
 use raypath_hdl::mutate::{Fault, faults};
 use raypath_hdl::{Module, verilog};
 use raypath_model::Shape;
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use raypath_sim::engine::shape;
 use raypath_verify::Error;
 use std::collections::HashSet;
 use std::sync::Arc;
 
 /// A module of a datapath, and the faults that it can have.
-pub struct Subject {
+pub struct FaultyModule {
     pub datapath: Arc<Elaborated>,
     pub module: Arc<Module>,
     /// The floating-point unit that the module is a part of, if any.
@@ -30,16 +30,16 @@ pub struct Elaborated {
 }
 
 pub struct Mutant<'s> {
-    pub subject: &'s Subject,
+    pub subject: &'s FaultyModule,
     pub fault: &'s Fault,
 }
 
 /// All modules of these configurations that can have faults, equal ones once.
-pub fn subjects(configs: &[Config]) -> Result<Vec<Subject>, Error> {
+pub fn subjects(configs: &[Config]) -> Result<Vec<FaultyModule>, Error> {
     let mut known = HashSet::new();
     let mut subjects = Vec::new();
     for &config in configs {
-        let datapath = Datapath::new(config)?;
+        let datapath = DatapathNetlist::new(config)?;
         let top = datapath.top().clone();
         let datapath = Arc::new(Elaborated { config, shape: shape(config, &datapath), top });
         for module in verilog::modules(&datapath.top)? {
@@ -47,7 +47,7 @@ pub fn subjects(configs: &[Config]) -> Result<Vec<Subject>, Error> {
             faults.retain(|fault| !exchanges_operands(&module, fault));
             if !faults.is_empty() && known.insert(verilog::print_module(&module, &[])?) {
                 let unit = Unit::of(config, module.name())?;
-                subjects.push(Subject { datapath: datapath.clone(), module, unit, faults });
+                subjects.push(FaultyModule { datapath: datapath.clone(), module, unit, faults });
             }
         }
     }
@@ -65,7 +65,7 @@ fn exchanges_operands(module: &Module, fault: &Fault) -> bool {
 
 /// A random sample of about `count` faults: a few of every module, and the rest in proportion to the modules' faults.
 /// If there are more modules than `count`, one fault each of `count` modules.
-pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> {
+pub fn choose(subjects: &[FaultyModule], count: usize, seed: u64) -> Vec<Mutant<'_>> {
     const A_FEW: usize = 5;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let few = A_FEW.min(count / subjects.len().max(1)).max(1);

@@ -19,7 +19,7 @@ fn every_module_is_represented_and_the_larger_ones_more() {
     assert!(names.iter().any(|name| name.contains("part_1_of_2")));
     let mutants = choose(&subjects, 2400, 1);
     assert!(mutants.len() >= 2000, "{}", mutants.len());
-    let of = |subject: &Subject| mutants.iter().filter(|mutant| std::ptr::eq(mutant.subject, subject)).count();
+    let of = |subject: &FaultyModule| mutants.iter().filter(|mutant| std::ptr::eq(mutant.subject, subject)).count();
     for subject in &subjects {
         let (chosen, all) = (of(subject), subject.faults.len());
         assert!(chosen >= all.min(5) && chosen <= all, "{}: {chosen} of {all}", subject.module.name());

@@ -5,7 +5,7 @@
 //! datapath with the fault computes each operation for a job by itself, as the item `operations` proves it, its control
 //! is the same, and all data loads with the opcode, so that a job that waits leaves what a job does that does not wait.
 
-use super::mutant::{Elaborated, Subject};
+use super::mutant::{Elaborated, FaultyModule};
 use crate::report::Fate;
 use raypath_float::{Format, encode};
 use raypath_hdl::mutate::without_text;
@@ -27,7 +27,7 @@ use std::time::Duration;
 const LIMIT: Duration = Duration::from_secs(20);
 
 pub struct Trial<'s> {
-    pub subject: &'s Subject,
+    pub subject: &'s FaultyModule,
     /// The module with the fault.
     pub module: Arc<Module>,
     /// The datapath with that module.

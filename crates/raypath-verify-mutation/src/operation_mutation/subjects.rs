@@ -6,11 +6,11 @@ use super::jobs::{STREAMS, jobs};
 use raypath_float::Format;
 use raypath_model::WordModel;
 use raypath_ops::PortValue;
+use raypath_verify_datapath::datapaths::{self, TestedDatapath};
 use raypath_verify_datapath::oracle::Oracle;
-use raypath_verify_datapath::subjects::{self, Subject as Tested};
 
 /// An operation, and the jobs that its faults run.
-pub struct Subject<'p> {
+pub struct FaultyOperation<'p> {
     pub name: String,
     pub planned: &'p Planned,
     pub jobs: Jobs,
@@ -22,18 +22,18 @@ pub struct Subject<'p> {
 
 /// The dataflow of an operation of a datapath, and its faults.
 pub struct Planned {
-    pub tested: Tested,
+    pub tested: TestedDatapath,
     pub flow: Dataflow,
     pub faults: Vec<Fault>,
 }
 
 /// The oracle of a datapath, with a model that has its ports.
-pub type OracleOf<'a> = &'a (dyn Fn(&Tested, &WordModel) -> Oracle + Sync);
+pub type OracleOf<'a> = &'a (dyn Fn(&TestedDatapath, &WordModel) -> Oracle + Sync);
 
 /// The operations of all datapaths of the campaigns in binary32, each dataflow once.
 pub fn plan() -> Vec<Planned> {
     let mut all: Vec<Planned> = Vec::new();
-    for tested in subjects::all().into_iter().filter(|tested| tested.config.semantics.format == Format::BINARY32) {
+    for tested in datapaths::all().into_iter().filter(|tested| tested.config.semantics.format == Format::BINARY32) {
         for graph in tested.datapath().dataflows() {
             let flow = Dataflow { graph, inverted: None };
             if all.iter().all(|planned| planned.flow != flow) {
@@ -46,7 +46,7 @@ pub fn plan() -> Vec<Planned> {
 
 impl Planned {
     /// The subject with about `count` jobs; `oracle` makes its oracle.
-    pub fn subject(&self, count: usize, seed: u64, oracle: OracleOf<'_>) -> Subject<'_> {
+    pub fn subject(&self, count: usize, seed: u64, oracle: OracleOf<'_>) -> FaultyOperation<'_> {
         let Self { tested, flow, .. } = self;
         let (model, options, operation) = (tested.datapath().model(), tested.options(), flow.graph.name);
         let name = if options.is_empty() { operation.to_string() } else { format!("{operation} {options}") };
@@ -60,7 +60,7 @@ impl Planned {
             (0..jobs.steps.len()).find_map(|step| self.refusal(&model, &mut oracle, &jobs, &values, [step, stream]))
         });
         let refused = refused.map(|refused| format!("{name}: without a fault refused by the oracle: {refused}"));
-        Subject { name, planned: self, jobs, values, refused }
+        FaultyOperation { name, planned: self, jobs, values, refused }
     }
 
     /// Why the oracle refuses a job of a stream, if it does.

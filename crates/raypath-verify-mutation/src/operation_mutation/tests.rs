@@ -2,11 +2,11 @@ use super::*;
 use rand::RngExt;
 use raypath_model::WordModel;
 use raypath_ops::{Binary32, Circuit, Narrowing, Single};
+use raypath_verify_datapath::datapaths::TestedDatapath;
 use raypath_verify_datapath::oracle::Mistake;
-use raypath_verify_datapath::subjects::Subject as Tested;
 use raypath_work::pool::Shard;
 
-fn right(tested: &Tested, model: &WordModel) -> Oracle {
+fn right(tested: &TestedDatapath, model: &WordModel) -> Oracle {
     Oracle::new(tested.config.semantics, model)
 }
 
@@ -14,7 +14,7 @@ fn right(tested: &Tested, model: &WordModel) -> Oracle {
 /// every operation that the oracle without a mistake refuses nothing.
 #[test]
 fn only_an_oracle_with_a_mistake_refuses_a_job_without_a_fault() {
-    let wrong = |tested: &Tested, model: &WordModel| right(tested, model).with(Mistake::TiesAway);
+    let wrong = |tested: &TestedDatapath, model: &WordModel| right(tested, model).with(Mistake::TiesAway);
     for planned in plan().iter().filter(|planned| planned.tested.options().is_empty()) {
         assert_eq!(planned.subject(256, 1, &right).refused, None);
         assert!(planned.subject(256, 1, &wrong).refused.is_some(), "{}", planned.flow.graph.name);

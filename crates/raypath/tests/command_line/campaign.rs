@@ -5,7 +5,7 @@ use raypath::hdl::Module;
 use raypath::hdl::mutate::{faults, replace};
 use raypath::ops::Culling;
 use raypath::oracle::added_operation;
-use raypath::rtl::{Config, Control, Datapath, Lanes};
+use raypath::rtl::{Config, Control, DatapathNetlist, Lanes};
 use raypath::sim::engine::shape;
 use raypath_verify::{Request, Verdict};
 use raypath_verify_datapath::campaign::verify_module;
@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 /// The verdict on the netlist of a configuration, compared with the models of the default one.
 fn verdict_on(netlist: Config, jobs: u64, seed: u64, folder: &Path) -> Verdict {
-    let expected = Datapath::new(Config::DEFAULT).expect("a datapath");
-    let tested = Datapath::new(netlist).expect("a datapath");
+    let expected = DatapathNetlist::new(Config::DEFAULT).expect("a datapath");
+    let tested = DatapathNetlist::new(netlist).expect("a datapath");
     let shape = shape(Config::DEFAULT, &expected);
     let proceed = &mut |_| true;
     let mut request = Request { jobs: Some(jobs), seed, ..Request::new(proceed) };

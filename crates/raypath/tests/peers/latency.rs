@@ -9,7 +9,7 @@
 
 use raypath::model::Words;
 use raypath::ops::JobKind;
-use raypath::rtl::{Config, Control, Datapath, PRESETS, UnitLatency};
+use raypath::rtl::{Config, Control, DatapathNetlist, PRESETS, UnitLatency};
 use raypath::sim;
 use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine};
 use raypath::sim::jobs::random;
@@ -33,7 +33,7 @@ fn every_control_and_unit_latency() {
 
 fn measure(config: Config) {
     let model = sim::Datapath::paper(config).model();
-    let datapath = Datapath::new(config).expect("a datapath");
+    let datapath = DatapathNetlist::new(config).expect("a datapath");
     let mut netlist = NetlistEngine::of(model.clone(), config, &datapath, |_| false).expect("a netlist");
     let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
     let printed = datapath.top().doc().join("\n");

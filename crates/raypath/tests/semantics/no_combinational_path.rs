@@ -1,7 +1,7 @@
 //! Ready is registered: the source does not observe the sink in the same cycle, nor the sink the source.
 
 use raypath::hdl::{Builder, Module, depends_combinationally};
-use raypath::rtl::{Config, Control, Datapath, Interval, Lanes, UnitLatency};
+use raypath::rtl::{Config, Control, DatapathNetlist, Interval, Lanes, UnitLatency};
 use std::sync::Arc;
 
 fn depends(module: &Arc<Module>, output: &str, input: &str) -> bool {
@@ -11,7 +11,7 @@ fn depends(module: &Arc<Module>, output: &str, input: &str) -> bool {
 #[test]
 fn the_handshakes_do_not_see_each_other() {
     for config in configurations() {
-        let datapath = Datapath::new(config).unwrap();
+        let datapath = DatapathNetlist::new(config).unwrap();
         for input in ["output_ready_i", "input_valid_i", "opcode_i"] {
             for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
                 // If no job can wait inside, the ready of a beat depends on its operation.
@@ -43,7 +43,7 @@ fn loops(config: Config) -> bool {
 /// Inputs and outputs are registered: no output port depends on the sink's ready, and ready depends on no input port.
 #[test]
 fn no_port_passes_through() {
-    let datapath = Datapath::new(Config::default()).unwrap();
+    let datapath = DatapathNetlist::new(Config::default()).unwrap();
     let top = datapath.top();
     for output in top.outputs() {
         assert!(!depends(top, &output.name, "output_ready_i"), "{}", output.name);

@@ -10,7 +10,7 @@ use clap::Args;
 use jobs::JobArguments;
 pub use power::picture;
 use raypath_ppa::{Baseline, Design, PowerResults, Report, charts, tables};
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use raypath_sim::files::write_all;
 use raypath_traversal::UnitNetlist;
 use std::io::Write;
@@ -130,7 +130,7 @@ fn power_files(measured: &PowerResults, folder: &std::path::Path) -> Vec<(PathBu
 }
 
 pub fn design(config: Config) -> Result<Design, CliError> {
-    Ok(Design::new(config.to_string(), Datapath::new(config)?.top()))
+    Ok(Design::new(config.to_string(), DatapathNetlist::new(config)?.top()))
 }
 
 /// The files of a report.

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_model::Elastic;
 use raypath_ops::{PortKind, PortValue};
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use raypath_sim::engine::{CycleEngine, Engine, NetlistEngine, Run, Seen, evaluate, observe, shape};
 use raypath_sim::lockstep::SideBySide;
 use raypath_sim::transactions::Transaction;
@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
 /// Runs the stream through the selected engine until `on_outcome` returns false. `differences` is for lockstep.
 fn simulate(
     arguments: &Arguments,
-    (model, config, datapath): (WordModel, Config, &Datapath),
+    (model, config, datapath): (WordModel, Config, &DatapathNetlist),
     stream: &[Transaction],
     watcher: &mut Watcher,
     differences: &mut Vec<String>,
@@ -120,7 +120,7 @@ struct Watcher {
 }
 
 impl Watcher {
-    fn new(view: &ViewArguments, config: Config, datapath: &Datapath) -> Self {
+    fn new(view: &ViewArguments, config: Config, datapath: &DatapathNetlist) -> Self {
         let pipeline = Elastic::new(&shape(config, datapath));
         Self { recorder: view.recorder("transaction", datapath), pipeline, number: 0 }
     }
@@ -143,7 +143,7 @@ impl Watcher {
         self.pipeline.cycle(entering.map(|opcode| (opcode, ())), seen.cycle.takes);
     }
 
-    fn recording(self, config: Config, datapath: &Datapath, run: &Run, tally: &Tally<'_>) -> Recording {
+    fn recording(self, config: Config, datapath: &DatapathNetlist, run: &Run, tally: &Tally<'_>) -> Recording {
         let mut recording = recording("Recorded transactions".to_string(), config, datapath, run.cycles, &tally.jobs);
         recording.counts = vec![
             ("cycles".to_string(), run.cycles.to_string()),

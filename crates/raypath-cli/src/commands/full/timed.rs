@@ -4,7 +4,7 @@ use crate::commands::full::{ViewArguments, print, recording};
 use crate::{CliError, number, whole};
 use clap::Args;
 use raypath_ops::JobKind;
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use raypath_sim::engine::shape;
 use raypath_timing::report::{Recorder, Recording};
 use raypath_timing::{Environment, Starved, Sweep, System, Timing, plot};
@@ -83,7 +83,7 @@ impl TimingArguments {
         if self.no_timing {
             return Ok(None);
         }
-        let datapath = Datapath::new(config)?;
+        let datapath = DatapathNetlist::new(config)?;
         let environment = Environment { in_flight, memory_latency: self.memory_latency, ..Environment::default() };
         let system = System { environment, shape: shape(config, &datapath) };
         let (agents, agent) = subject.names();

@@ -2,11 +2,11 @@
 
 use comfy_table::CellAlignment;
 use raypath_rtl::report::tables::new_table;
-use raypath_rtl::{Datapath, UnitKind};
+use raypath_rtl::{DatapathNetlist, UnitKind};
 use raypath_timing::report::{StageUse, UnitUse};
 
 /// The names of a datapath's operations, indexed by opcode; empty for an unused opcode.
-pub fn operations(datapath: &Datapath) -> Vec<String> {
+pub fn operations(datapath: &DatapathNetlist) -> Vec<String> {
     let mut names = Vec::new();
     for (name, opcode) in datapath.operations() {
         let index = opcode as usize;
@@ -18,12 +18,12 @@ pub fn operations(datapath: &Datapath) -> Vec<String> {
 
 /// The utilisation of each step after the input registers, over `cycles` cycles in which `jobs` jobs of each operation,
 /// indexed by opcode, passed. A unit works for a job if the job's operation uses it.
-pub fn utilisation(datapath: &Datapath, cycles: u64, jobs: &[u64]) -> Vec<StageUse> {
+pub fn utilisation(datapath: &DatapathNetlist, cycles: u64, jobs: &[u64]) -> Vec<StageUse> {
     let (steps, operations) = (datapath.steps().enumerate().skip(1), operations(datapath));
     steps.map(|(index, _)| stage(datapath, index, cycles, jobs, &operations)).collect()
 }
 
-fn stage(datapath: &Datapath, index: usize, cycles: u64, jobs: &[u64], operations: &[String]) -> StageUse {
+fn stage(datapath: &DatapathNetlist, index: usize, cycles: u64, jobs: &[u64], operations: &[String]) -> StageUse {
     let (units, schedule) = (datapath.units(index), datapath.schedule(index));
     let note = |name: &String| schedule.iter().find(|note| note.operation == name);
     let titles = operations.iter().map(|name| note(name).map_or_else(String::new, |note| note.what.clone())).collect();
@@ -76,7 +76,7 @@ mod tests {
     /// Computed by hand from Table VIII: stage 2 has 24 adders; boxes use all, triangles nine, Euclidean beats sixteen.
     #[test]
     fn utilisation_follows_from_the_jobs() {
-        let datapath = Datapath::new(Config::DEFAULT).unwrap();
+        let datapath = DatapathNetlist::new(Config::DEFAULT).unwrap();
         let jobs = [10, 20, 30, 0];
         let stages = utilisation(&datapath, 100, &jobs);
         let adders = stages[1].units.iter().find(|unit| unit.name == "adder").unwrap();

@@ -3,7 +3,7 @@
 use crate::commands::full::utilisation::{operations, table, utilisation};
 use crate::{CliError, whole};
 use clap::Args;
-use raypath_rtl::{Config, Datapath, parameters};
+use raypath_rtl::{Config, DatapathNetlist, parameters};
 use raypath_sim::files::write_all;
 use raypath_timing::report::{Recorder, Recording, html, konata};
 use std::io::Write;
@@ -39,7 +39,7 @@ impl ViewArguments {
 
     /// The recorder of the timeline; `owner` is the name of a job's owner. It records no job if no output needs a
     /// timeline.
-    pub fn recorder(&self, owner: &str, datapath: &Datapath) -> Recorder {
+    pub fn recorder(&self, owner: &str, datapath: &DatapathNetlist) -> Recorder {
         let jobs = if self.is_wanted() { self.window_jobs } else { 0 };
         Recorder::new(owner, datapath.latency() as usize, self.window_from, jobs)
     }
@@ -52,7 +52,7 @@ impl ViewArguments {
 }
 
 /// A recording with the configuration and the utilisation by these jobs, indexed by opcode, and nothing else.
-pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64, jobs: &[u64]) -> Recording {
+pub fn recording(title: String, config: Config, datapath: &DatapathNetlist, cycles: u64, jobs: &[u64]) -> Recording {
     let pair = |name: &str, value: String| (name.to_string(), value);
     let flip_flops: u64 = (0..datapath.steps().count()).map(|step| datapath.registers(step).flip_flops()).sum();
     let parameters = parameters().map(|parameter| pair(&parameter.name.replace('-', " "), parameter.get(&config)));

@@ -5,7 +5,7 @@ use crate::commands::full::bench::workload::Workload;
 use crate::error::CliError;
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_ops::Job;
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ const RUNS: usize = 8;
 
 /// Measures the netlist with a job in every cycle, of all operations in turn.
 pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> Result<(), CliError> {
-    let datapath = Datapath::new(Config::DEFAULT)?;
+    let datapath = DatapathNetlist::new(Config::DEFAULT)?;
     let top = datapath.top();
     let jobs = Workload::new().mixed(CYCLES);
     let mut simulator = Simulator::new(top)?;

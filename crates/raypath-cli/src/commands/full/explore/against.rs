@@ -2,7 +2,7 @@
 
 use crate::CliError;
 use raypath_ppa::{Baseline, DesignPoint, Report};
-use raypath_rtl::{Config, Datapath, PRESETS};
+use raypath_rtl::{Config, DatapathNetlist, PRESETS};
 use raypath_tools::grouped;
 use std::path::Path;
 
@@ -28,7 +28,7 @@ pub fn table(rows: &[((&DesignPoint, Config), &Option<Baseline>)]) -> Result<Str
     );
     for ((DesignPoint { name, report, .. }, config), baseline) in rows {
         let contents = PRESETS.iter().find(|preset| preset.name == name).map_or("", |preset| preset.purpose);
-        let latency = Datapath::new(*config)?.latency();
+        let latency = DatapathNetlist::new(*config)?.latency();
         text += &row(name, contents, latency, report.flip_flops, measured(report), baseline.as_ref().map(known));
     }
     Ok(text)

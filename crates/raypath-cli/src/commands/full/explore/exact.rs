@@ -7,7 +7,7 @@ use crate::{CliError, Progress};
 use raypath_float::Format;
 use raypath_ops::Rules;
 use raypath_ppa::explore::Structure;
-use raypath_rtl::{Config, Datapath};
+use raypath_rtl::{Config, DatapathNetlist};
 use raypath_tools::{Cache, Key, MemoryLimit, digest, read};
 use raypath_work::pool::{self, ALL_CORES};
 use serde::{Deserialize, Serialize};
@@ -46,7 +46,7 @@ impl ExactCache {
             if let Some(known) = self.cache.get::<Elaborated>(&key) {
                 return Ok::<_, CliError>(Some(Ok(known)));
             }
-            let elaborated = match Datapath::new(*config) {
+            let elaborated = match DatapathNetlist::new(*config) {
                 Ok(datapath) => {
                     let structure = Structure::of(&design(*config)?)?;
                     Elaborated { structure, latency: datapath.latency() }

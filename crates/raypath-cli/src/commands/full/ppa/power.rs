@@ -5,7 +5,7 @@ use crate::CliError;
 use raypath_hdl::Module;
 use raypath_model::{Shape, WordModel, Words};
 use raypath_ppa::{Frame, STREAMS, Workload};
-use raypath_rtl::{Config, Datapath as Netlist};
+use raypath_rtl::{Config, DatapathNetlist};
 use raypath_sim::Datapath;
 use raypath_sim::engine::{PortEncoding, shape};
 use raypath_sim::frames::{Answers, Cycle, Stimulus};
@@ -51,7 +51,7 @@ struct Streams<'d> {
 }
 
 impl<'d> Streams<'d> {
-    fn new(netlist: &'d Netlist, config: Config, whole: &Datapath, length: usize) -> Self {
+    fn new(netlist: &'d DatapathNetlist, config: Config, whole: &Datapath, length: usize) -> Self {
         let (shape, encoding) = (shape(config, netlist), PortEncoding::of(config));
         Self { top: netlist.top(), shape, encoding, model: whole.model(), length }
     }

@@ -48,7 +48,7 @@ pub enum Operands {
 
 /// What a claim is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Subject {
+pub enum UnitClaim {
     /// A unit gives the canonical word of IEEE 754's result for canonical words; an adder also its exceptions.
     Rounds(Unit, Operands),
     /// A unit in parts gives the words of the whole one, for all words.
@@ -127,7 +127,7 @@ impl Unit {
 
 const ROUNDING_FAULT: (&str, &str) = ("below_half)) | sticky", "below_half)) & sticky");
 
-impl Subject {
+impl UnitClaim {
     /// The claim in a format.
     ///
     /// # Errors

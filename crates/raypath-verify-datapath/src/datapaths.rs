@@ -10,14 +10,14 @@ use std::fmt;
 
 /// A datapath.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Subject {
+pub struct TestedDatapath {
     /// The configuration.
     pub config: Config,
     /// The names of the operations in addition to the configuration's.
     pub added: Vec<String>,
 }
 
-impl Subject {
+impl TestedDatapath {
     /// The datapath of a request.
     pub fn of(request: &Request<'_>) -> Self {
         Self { config: request.config, added: request.added.clone() }
@@ -42,13 +42,13 @@ impl Subject {
 }
 
 /// A datapath without added operations.
-impl From<Config> for Subject {
+impl From<Config> for TestedDatapath {
     fn from(config: Config) -> Self {
         Self { config, added: Vec::new() }
     }
 }
 
-impl fmt::Display for Subject {
+impl fmt::Display for TestedDatapath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.config)?;
         if self.added.is_empty() { Ok(()) } else { write!(f, ", with {}", self.added.join(", ")) }
@@ -56,15 +56,16 @@ impl fmt::Display for Subject {
 }
 
 /// All datapaths of the campaigns: the presets, every pair of values of two parameters, and the added operations.
-pub fn all() -> Vec<Subject> {
+pub fn all() -> Vec<TestedDatapath> {
     let small = Config::DEFAULT.lanes(Lanes::Two);
     let boxes = Config::DEFAULT.lanes(Lanes::None);
-    let mut subjects: Vec<Subject> = presets_and_pairs(&Space::new(&|_| true)).into_iter().map(Subject::from).collect();
+    let mut subjects: Vec<TestedDatapath> =
+        presets_and_pairs(&Space::new(&|_| true)).into_iter().map(TestedDatapath::from).collect();
     subjects.extend([
-        Subject::with(boxes, &["key_compare", "octbox"]),
-        Subject::with(boxes, &["point_in_box", "sphere"]),
-        Subject::with(boxes.format(Format::BINARY16), &["octbox", "quantised_box", "sphere"]),
-        Subject::with(
+        TestedDatapath::with(boxes, &["key_compare", "octbox"]),
+        TestedDatapath::with(boxes, &["point_in_box", "sphere"]),
+        TestedDatapath::with(boxes.format(Format::BINARY16), &["octbox", "quantised_box", "sphere"]),
+        TestedDatapath::with(
             small.exception_flags(true).tag(5),
             &["key_compare", "octbox", "point_in_box", "quantised_box", "sphere"],
         ),
