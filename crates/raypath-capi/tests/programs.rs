@@ -44,7 +44,7 @@ fn compile_and_run(compiler: &str, source: &str, flags: &[&str], is_static: bool
     }
     let options = run(&mut config);
     let mut compile = Command::new(compiler);
-    compile.args(["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-g"]).args(flags);
+    compile.args(["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O0"]).args(flags);
     compile.args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
     compile.arg(source).arg("-o").arg(&program);
     // Without the shared library, `-lraypath` finds the static one.

@@ -31,6 +31,7 @@ fn all_features_in_verilator() {
 
 /// The same with accumulators that take several cycles, and with credits.
 #[test]
+#[ignore = "run by ./test.sh --long"]
 fn all_features_with_credits_and_units_of_two_steps() {
     let config = Config::DEFAULT.features(ALL).lanes(Lanes::Two);
     in_verilator(config.control(Control::Credit).unit_latency(UnitLatency::Two));

@@ -1,7 +1,7 @@
 //! A datapath with the paper's operations and all added ones.
 
 use raypath_oracle::{AnyOperationSpec, Checks, added_operations};
-use raypath_rtl::{Config, Control, Encoding, Sharing, UnitLatency};
+use raypath_rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 use raypath_sim::Datapath;
 
 fn with_all(config: Config, specs: &[AnyOperationSpec]) -> Datapath {
@@ -19,7 +19,7 @@ fn every_operation_has_a_specification_with_an_oracle() {
 #[test]
 fn verilator_agrees_with_the_oracles() {
     let specs = added_operations();
-    let datapath = with_all(Config::DEFAULT, &specs);
+    let datapath = with_all(Config::DEFAULT.lanes(Lanes::Two), &specs);
     let netlist = datapath.elaborate().expect("they fit");
     assert_eq!(netlist.latency(), 12);
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 5, jobs: 10_000 };

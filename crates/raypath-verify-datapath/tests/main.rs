@@ -1,6 +1,5 @@
 //! All integration tests of the crate, in one program: it is linked once, and its tests share the cores.
 
 mod campaign;
-mod configurations;
 mod control;
 mod parts;

@@ -3,7 +3,8 @@
 use crate::verilator::representatives::REPRESENTATIVES;
 use rayon::prelude::*;
 use raypath_hdl::text::plain;
-use raypath_rtl::{Config, DatapathNetlist, Encoding, Lanes, PRESETS};
+use raypath_ops::Culling;
+use raypath_rtl::{Accumulators, Config, DatapathNetlist, Encoding, Lanes, PRESETS};
 use raypath_tools::{Sources, ToolError, lint_icarus, lint_slang, lint_verilator, lint_yosys};
 use std::path::{Path, PathBuf};
 
@@ -57,8 +58,12 @@ fn all_of_table_vi_is_clean() {
     });
 }
 
+/// Configurations with every value of every parameter, and one with all features.
 fn representatives() -> Vec<Config> {
-    [Config::DEFAULT].into_iter().chain(REPRESENTATIVES).collect()
+    let small = Config::DEFAULT.lanes(Lanes::Two).accumulators(Accumulators::Four);
+    let triangles = small.barycentrics(true).culling(Culling::None).facing(true).range(true);
+    let features = triangles.tag(8).conservative(true).exception_flags(true);
+    [Config::DEFAULT, features].into_iter().chain(REPRESENTATIVES).collect()
 }
 
 fn table_vi() -> Vec<Config> {

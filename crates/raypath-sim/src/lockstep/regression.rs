@@ -13,8 +13,7 @@ use raypath_ops::{JobKind, Port, PortKind, Rounding};
 use raypath_rtl::{Config, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing};
 
 /// The configurations whose modules get faults in `raypath verify mutation`: the default, and small ones with the modules
-/// that it lacks, so that each format, control, sharing, latency and encoding has its share. The tests of configurations
-/// run [`RegressionChecks::THOROUGH`] jobs on each.
+/// that it lacks, so that each format, control, sharing, latency and encoding has its share.
 pub const CONFIGS: [Config; 10] = [
     Config::DEFAULT,
     Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit),
@@ -152,15 +151,16 @@ impl RegressionChecks {
         expect(resets > 3 && left > 100, || format!("{resets} resets, {left} jobs"))
     }
 
-    /// Latency 12 if units take one step and stages one round; 10 with sums that round once, unless products with the
-    /// denominator follow them. The initiation interval is the configured one, or the
+    /// Latency 12 if units take one step and stages one round; 10 with sums that round once, unless an operation computes
+    /// something in the stages that they save. The initiation interval is the configured one, or the
     /// duration of an addition for distances.
     fn has_the_specified_timing(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), String> {
         let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
         let latency = netlist.shape().latency as u64;
         let interval = u64::from(self.config.microarchitecture.interval.cycles());
         let semantics = self.config.semantics;
-        let is_short = semantics.rounding == Rounding::Sum && !semantics.features.range;
+        let features = semantics.features;
+        let is_short = semantics.rounding == Rounding::Sum && !features.range && !features.quantised_boxes;
         let shortest = if is_short { 10 } else { 12 };
         let is_specified = if unit_latency == 1 && interval == 1 { latency == shortest } else { latency > shortest };
         expect(is_specified, || format!("latency {latency}"))?;

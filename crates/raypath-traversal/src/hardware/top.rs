@@ -81,11 +81,9 @@ impl UnitNetlist {
 fn check(config: Config) -> Result<(), UnitError> {
     match fixed_parameters().find(|parameter| parameter.get(&config) != parameter.default()) {
         None => Ok(()),
-        Some(fixed) => Err(UnitError::Datapath {
-            parameter: fixed.name,
-            value: fixed.get(&config),
-            expected: fixed.default(),
-        }),
+        Some(fixed) => {
+            Err(UnitError::Datapath { parameter: fixed.name, value: fixed.get(&config), expected: fixed.default() })
+        }
     }
 }
 

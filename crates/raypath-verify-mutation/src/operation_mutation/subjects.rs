@@ -3,10 +3,11 @@
 use super::evaluate::{Dataflow, Jobs, Values};
 use super::faults::{Fault, faults};
 use super::jobs::{STREAMS, jobs};
-use raypath_float::Format;
 use raypath_model::WordModel;
-use raypath_ops::PortValue;
-use raypath_verify_datapath::datapaths::{self, TestedDatapath};
+use raypath_ops::operations::NAMES;
+use raypath_ops::{BoxBits, Culling, PortValue, Rounding, Rules};
+use raypath_rtl::{Accumulators, Config, Lanes};
+use raypath_verify_datapath::datapaths::TestedDatapath;
 use raypath_verify_datapath::oracle::Oracle;
 
 /// An operation, and the jobs that its faults run.
@@ -30,10 +31,28 @@ pub struct Planned {
 /// The oracle of a datapath, with a model that has its ports.
 pub type OracleOf<'a> = &'a (dyn Fn(&TestedDatapath, &WordModel) -> Oracle + Sync);
 
-/// The operations of all datapaths of the campaigns in binary32, each dataflow once.
+/// Datapaths that together have all operations in binary32: all rules and both roundings, each number of lanes, all
+/// features, and the added operations.
+fn datapaths() -> Vec<TestedDatapath> {
+    let small = Config::DEFAULT.lanes(Lanes::Two);
+    let features = small.barycentrics(true).facing(true).range(true).conservative(true).exception_flags(true);
+    let configs = [
+        small.rules(Rules::Chisel),
+        small.rules(Rules::Bounds(BoxBits::DEFAULT)),
+        small.rounding(Rounding::Sum),
+        features.culling(Culling::None).accumulators(Accumulators::Four),
+        small.range(true).culling(Culling::Front),
+    ];
+    let lanes = Lanes::ALL.iter().map(|&lanes| Config::DEFAULT.lanes(lanes));
+    let mut all: Vec<TestedDatapath> = lanes.chain(configs).map(TestedDatapath::from).collect();
+    all.push(TestedDatapath::with(Config::DEFAULT.lanes(Lanes::None), &NAMES));
+    all
+}
+
+/// The operations of these datapaths, each dataflow once.
 pub fn plan() -> Vec<Planned> {
     let mut all: Vec<Planned> = Vec::new();
-    for tested in datapaths::all().into_iter().filter(|tested| tested.config.semantics.format == Format::BINARY32) {
+    for tested in datapaths() {
         for graph in tested.datapath().dataflows() {
             let flow = Dataflow { graph, inverted: None };
             if all.iter().all(|planned| planned.flow != flow) {
