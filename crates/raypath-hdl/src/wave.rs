@@ -71,13 +71,15 @@ const NS_PER_CYCLE: u64 = 10;
 const FLUSH_AT: usize = 1 << 20;
 
 impl WaveWriter {
-    /// Starts a file for the signals that `simulator` observes. It will replace a regular file at `path`, or the target
-    /// of a symbolic link.
+    /// Starts a file for the signals that `simulator` observes, and makes its folder. It will replace a regular file at
+    /// `path`, or the target of a symbolic link.
     ///
     /// # Errors
     /// A path to something else, or a file that cannot be created.
     pub fn create(path: impl AsRef<Path>, simulator: &Simulator) -> Result<Self, WaveError> {
         let path = path.as_ref().to_path_buf();
+        let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+        folder.map_err(|problem| failed(&path, &problem))?;
         let target = target(&path)?;
         Self::begin(path.clone(), target, simulator).map_err(|problem| failed(&path, &problem))
     }

@@ -22,8 +22,8 @@ use std::time::Instant;
 #[derive(Debug, Args)]
 #[command(after_help = not_with_unit())]
 pub struct Arguments {
-    /// The folder to write to
-    #[arg(long, default_value = "build")]
+    /// The folder to write to [default: build, or build/unit with --unit]
+    #[arg(long, default_value = "build", default_value_if("unit", "true", "build/unit"), hide_default_value = true)]
     out: PathBuf,
     /// What the names of all modules, packages and files begin with, for several datapaths in one design
     #[arg(long, value_name = "NAME", default_value = "raypath")]

@@ -123,7 +123,8 @@ fn a_measurement_can_be_stopped() {
 
 #[test]
 fn wrong_input_is_named() {
-    let cases: [(&[&str], &[&str]); 5] = [
+    let cases: [(&[&str], &[&str]); 6] = [
+        (&["--rules", "bounds"], &["'bounds'", "--rules", "expected paper or chisel"]),
         (&["--format", "fp16,fp8"], &["'fp8' is not a valid format", "fp32, tf32, bf16, fp16 or eXsY"]),
         (&["--format", "e4s8"], &["'e4s8'", "significand of 8 bits, expected 3 to 7 for an exponent of 4 bits"]),
         (&["--scale", "0"], &["'0'", "expected a number from 1e-30 to 1e30"]),

@@ -107,7 +107,7 @@ fn wrong_parameters_of_the_unit_are_named() {
 fn wave_shows_the_channels_of_the_unit_and_the_names_of_its_parts() {
     const NS_PER_CYCLE: u64 = 10;
     let folder = folder();
-    let path = folder.path().join("unit.fst");
+    let path = folder.path().join("new/unit.fst");
     let out = text(&path);
     let options = "wave --unit --preset compact --contexts 8 --rays 12 --out";
     ends_with(&options.split(' ').chain([out.as_str()]).collect::<Vec<_>>(), 0, &["12 rays in "]);
