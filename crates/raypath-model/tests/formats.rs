@@ -63,7 +63,7 @@ const RULES: [Rules; 4] = [Rules::Paper, Rules::Chisel, Rules::Bounds(BoxBits(8)
 
 #[test]
 fn soft_binary32_is_binary32() {
-    const JOBS: usize = 200_000;
+    const JOBS: usize = 50_000;
     let soft = Soft { format: Format::BINARY32 };
     for rules in RULES {
         let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -52,7 +52,8 @@ fn order(metric: Metric, [query, a, b]: [&[u8; PIXELS]; 3]) -> Ordering {
 fn neighbours_equal_those_of_integer_arithmetic() {
     let digits = digits();
     for metric in Metric::ALL {
-        for (query, row) in queries().zip(found(metric)) {
+        // Sorting all digits takes most of the time.
+        for (query, row) in queries().zip(found(metric)).step_by(3) {
             let mut all: Vec<usize> = (0..digits.len()).collect();
             all.sort_by(|&a, &b| order(metric, [query, a, b].map(|index| &digits[index])).then(a.cmp(&b)));
             assert_eq!(row, all[..COUNT], "{metric}, query {query}");

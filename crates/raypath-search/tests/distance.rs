@@ -105,7 +105,7 @@ fn same_bits<const E: usize, const A: usize>() {
     let mut generator = ChaCha8Rng::seed_from_u64(3);
     let mut datapath = Datapath::<E, A>::new();
     let mut finite = 0;
-    for dimensions in 1..=100 {
+    for dimensions in (1..=100).filter(|dimensions| dimensions % 3 == 1 || dimensions % 16 == 0) {
         for large in [1e3, 1e15, 1e19, f32::MAX] {
             let base = Vectors::new(dimensions, mixed(&mut generator, BASE * dimensions, large)).expect("vectors");
             let queries = Vectors::new(dimensions, mixed(&mut generator, 3 * dimensions, large)).expect("vectors");

@@ -3,8 +3,9 @@
 use crate::program::python;
 use crate::verilator::VERILATOR;
 use crate::yosys::YOSYS;
-use crate::{Program, ToolError};
+use crate::{Program, ToolError, read, write};
 use raypath_hdl::verilog::CLOCK_GATE;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -47,7 +48,7 @@ sys.exit(0 if accepted else 1)
 pub fn lint_verilator(files: &[PathBuf], top: &str, arguments: &[&str]) -> Result<(), ToolError> {
     let mut command = Command::new("verilator");
     command.args(["--lint-only", "-Wall", "--top-module", top]).args(arguments).args(files);
-    expect_silence(&VERILATOR, VERILATOR.output(&mut command)?)
+    once(&VERILATOR, &[&[top], arguments].concat(), files, || VERILATOR.output(&mut command))
 }
 
 /// Reads a file with Yosys and runs `check -assert` on it.
@@ -64,7 +65,7 @@ pub fn lint_yosys(file: &Path, top: &str) -> Result<(), ToolError> {
     let script =
         format!("read_verilog -sv \"{}\"; hierarchy -check -top {top}; proc; check -assert; {latches}", file.display());
     let mut command = Command::new("yosys");
-    expect_silence(&YOSYS, YOSYS.output(command.args(["-q", "-p", &script]))?)
+    once(&YOSYS, &[top], &[file.to_path_buf()], || YOSYS.output(command.args(["-q", "-p", &script])))
 }
 
 /// Compiles files with slang, by its Python module.
@@ -74,14 +75,13 @@ pub fn lint_yosys(file: &Path, top: &str) -> Result<(), ToolError> {
 pub fn lint_slang(files: &[PathBuf]) -> Result<(), ToolError> {
     let mut command = python();
     command.args(["-c", SLANG_SCRIPT]).args(files);
-    match PYSLANG.output(&mut command) {
-        Ok(output) => expect_silence(&PYSLANG, output),
+    once(&PYSLANG, &[], files, || match PYSLANG.output(&mut command) {
         // The module, or a part that only later versions have, is missing.
         Err(ToolError::Failed { output, .. }) if output.starts_with("No module named 'pyslang") => {
             Err(ToolError::Missing(&PYSLANG))
         }
-        Err(other) => Err(other),
-    }
+        other => other,
+    })
 }
 
 /// Compiles a file with Icarus Verilog. Version 11 reads no types of packages: the file is one of words only
@@ -92,14 +92,36 @@ pub fn lint_slang(files: &[PathBuf]) -> Result<(), ToolError> {
 /// Icarus Verilog is missing, or reports anything else.
 pub fn lint_icarus(file: &Path, top: &str) -> Result<(), ToolError> {
     let mut command = Command::new("iverilog");
-    let output = ICARUS.output(command.args(["-g2012", "-t", "null", "-s", top]).arg(file))?;
+    command.args(["-g2012", "-t", "null", "-s", top]).arg(file);
     let is_other = |line: &&str| !line.ends_with(ALL_BITS_ARE_SENSITIVE);
-    expect_silence(&ICARUS, output.lines().filter(is_other).collect())
+    let output = || Ok(ICARUS.output(&mut command)?.lines().filter(is_other).collect());
+    once(&ICARUS, &[top], &[file.to_path_buf()], output)
 }
 
 const ALL_BITS_ARE_SENSITIVE: &str =
     "sorry: constant selects in always_* processes are not currently supported (all bits will be included).";
 
-fn expect_silence(program: &'static Program, output: String) -> Result<(), ToolError> {
-    if output.trim().is_empty() { Ok(()) } else { Err(program.failed(output)) }
+/// Expects that a run prints nothing. Texts that passed are not read again if the environment variable
+/// `RAYPATH_VERILATED` names a folder: a file there is named by a hash of the texts, the arguments and the version.
+fn once(
+    program: &'static Program,
+    arguments: &[&str],
+    files: &[PathBuf],
+    run: impl FnOnce() -> Result<String, ToolError>,
+) -> Result<(), ToolError> {
+    let mut key = DefaultHasher::new();
+    (program.version()?, arguments).hash(&mut key);
+    for file in files {
+        (file.file_name(), read(file)?).hash(&mut key);
+    }
+    let passed = std::env::var_os("RAYPATH_VERILATED")
+        .map(|folder| Path::new(&folder).join(format!("{:016x}-{}", key.finish(), program.name)));
+    if passed.as_ref().is_some_and(|passed| passed.exists()) {
+        return Ok(());
+    }
+    let output = run()?;
+    if !output.trim().is_empty() {
+        return Err(program.failed(output));
+    }
+    passed.map_or(Ok(()), |passed| write(&passed, ""))
 }

@@ -296,7 +296,7 @@ fn nothing_half_written_stays() {
     ends_with(&["generate", "--out", &text(&file.join("below"))], 2, &["file"]);
     ends_with(&["generate", "--out", "/proc/raypath/out"], 2, &["/proc/raypath"]);
 
-    let wave = folder.path().join("no/such/folder/trace.fst");
+    let wave = file.join("trace.fst");
     let golden = format!("{GOLDEN}/quadbox.txt.gz");
     ends_with(&["wave", &golden, "--jobs", "10", "--out", &text(&wave)], 2, &["trace.fst"]);
     assert!(!wave.exists());
