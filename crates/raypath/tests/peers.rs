@@ -12,7 +12,7 @@
 //! | the sign of a sum or product that is zero | BlackParrot, pull request 1161; RSD, issue 92; libm (Rust), pull request 493 | [`sign_of_zero`]; all operands in `raypath verify unit-proofs` |
 //! | leading zeros of subnormals miscounted | Hercules, issue 29 (SoftFloat's normalisation, a count below zero) | [`every_subnormal`] |
 //! | an unusual number of lanes: 1, or not a power of two, or more than tested | Spatz, pull request 86 (reductions over 8 lanes) | [`lane_counts`] |
-//! | another latency in the model than in the hardware | without a published source | [`latency`]; for every configuration `configurations.rs` (the timing check of `RegressionChecks`) |
+//! | another latency in the model than in the hardware | without a published source | [`latency`]; for every pair of values the item `configurations` |
 
 mod every_subnormal;
 mod lane_counts;

@@ -1,8 +1,8 @@
 //! The latency at the netlist's ports, in the cycle-exact model, and in the printed text is the same.
 //!
 //! Known bug, without a published source: a model with another latency than the hardware, so that a simulated system
-//! fails as hardware. `configurations.rs` compares both in every cycle; here each is measured alone and compared with
-//! the latency in the head of the printed text.
+//! fails as hardware. The item `configurations` compares both in every cycle; here each is measured alone and compared
+//! with the latency in the head of the printed text.
 //!
 //! Mutation: `latency + 1` in `raypath-model/src/shape.rs` or `raypath_sim::engine::shape`; a number in `datapath.rs`'s
 //! text.
