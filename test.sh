@@ -66,9 +66,8 @@ cargo fmt --all --check
 step 'Clippy'
 # In the profile of the tests, so that macros and build scripts are compiled once.
 cargo clippy --workspace --all-targets --profile "$profile" --locked -- -D warnings
-# What `cargo run` compiles without `--features full`, and what a crate with an operation of its own compiles.
+# What `cargo run` compiles without `--features full`.
 cargo check --profile "$profile" --locked
-cargo check --package raypath-cli --features workbench --profile "$profile" --locked
 
 if "$quick"; then
   step 'Unit tests'
@@ -107,6 +106,9 @@ step 'Verification'
 if [ "$level" = full ]; then
   step 'Fuzzing'
   fuzz/run.sh 260
+  step 'Features'
+  # What a crate with an operation of its own compiles.
+  cargo check --package raypath-cli --features workbench --profile "$profile" --locked
   step 'Licences'
   command -v cargo-deny >/dev/null || cargo install cargo-deny --locked
   cargo deny check bans licenses sources

@@ -33,7 +33,7 @@ const EVENTFUL_CYCLES: u32 = 1200;
 /// The number of jobs for each operation from which on a coverage point without a hit is a failure.
 const ENOUGH: u64 = 20_000;
 
-/// Runs the campaign on the request's datapath; at level full also on every datapath of [`subjects`], unless the user
+/// Runs the campaign on the request's datapath; at level full also on every one of [`datapaths::all`], unless the user
 /// chose one. Writes the coverage to files in `folder`, and failures to subfolders.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! The functional model against the exact oracle, job by job: the default configuration with many jobs, and every
-//! datapath of [`subjects`] with some. Oracles with a deliberate mistake, one for each rule that matters in a datapath,
-//! must be refuted by the same jobs.
+//! datapath of [`datapaths::all`] with some. Oracles with a deliberate mistake, one for each rule that matters in a
+//! datapath, must be refuted by the same jobs.
 
 use crate::campaign::failure::reduced;
 use crate::datapaths::{self, TestedDatapath};

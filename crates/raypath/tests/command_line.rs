@@ -279,6 +279,25 @@ fn ray_derives_the_values_of_the_ports() {
     ends_with(&["ray", "--origin", "0", "0", "-5", "--direction", "-0.5", "-0", "1"], 0, &words);
 }
 
+/// An output that is also an input, or another output, is refused before any work.
+#[test]
+fn no_output_is_another_file_of_the_command() {
+    let folder = folder();
+    let mesh = file(folder.path(), "own.obj", "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
+    let (picture, same) = (text(&folder.path().join("a.png")), text(&folder.path().join("./a.png")));
+    let jobs = file(folder.path(), "jobs.txt", "");
+    let cases: [(&[&str], &[&str]); 4] = [
+        (&["render", &mesh, "--out", &mesh], &["own.obj", "--out", "'scene'", "expected two files"]),
+        (&["scene", &mesh, "--out", &mesh], &["own.obj", "--out", "'mesh'"]),
+        (&["render", &mesh, "--out", &picture, "--heatmap", &same], &["a.png", "--out", "--heatmap"]),
+        (&["wave", &jobs, "--out", &jobs], &["jobs.txt", "--out", "'files'"]),
+    ];
+    for (arguments, words) in cases {
+        ends_with(arguments, 2, words);
+    }
+    assert!(std::fs::read_to_string(&mesh).expect("the mesh").starts_with("v 0 0 1"));
+}
+
 #[test]
 fn nothing_half_written_stays() {
     let folder = folder();

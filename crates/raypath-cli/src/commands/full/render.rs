@@ -315,6 +315,8 @@ fn costs(rendering: &Rendering, seconds: f64, out: &mut dyn Write) -> Result<(),
     )?;
     for (name, costs) in kinds.iter().filter(|(_, costs)| costs.rays > 0) {
         let Counts { quadbox, triangle, behind, nodes, leaves, .. } = costs.counts;
+        // The model of the traversal unit does not count them.
+        let leaves = if leaves == 0 && triangle > 0 { "-".to_string() } else { leaves.to_string() };
         writeln!(
             out,
             "{name:<14} {:>10} {:>10} {quadbox:>11} {triangle:>11} {behind:>11} {nodes:>11} {leaves:>10}",
