@@ -2,4 +2,3 @@
 
 mod campaign;
 mod control;
-mod parts;

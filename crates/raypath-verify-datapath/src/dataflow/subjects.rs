@@ -157,12 +157,4 @@ mod tests {
         assert_eq!(added(&[]), [(config, None)]);
         assert_eq!(added(&["sphere", "octbox"]), [(config, Some("octbox")), (config, Some("sphere"))]);
     }
-
-    /// The item builds all of them at level full.
-    #[test]
-    fn a_third_of_the_subjects_can_be_built() {
-        for subject in chosen(Level::Full).iter().step_by(3) {
-            subject.elaborate().map(|_| ()).unwrap_or_else(|problem| panic!("{subject}: {problem}"));
-        }
-    }
 }

@@ -37,15 +37,3 @@ pub fn choices(level: Level) -> Result<Vec<TestedDatapath>, Error> {
     choices.extend(NAMES.iter().map(|name| TestedDatapath { added: vec![name.to_string()], ..boxes.into() }));
     Ok(choices)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_third_of_the_designs_can_be_built() {
-        for subject in choices(Level::Full).expect("values").iter().step_by(3) {
-            subject.datapath().elaborate().map(|_| ()).unwrap_or_else(|problem| panic!("{subject}: {problem}"));
-        }
-    }
-}
