@@ -87,7 +87,10 @@ ARRAYS: list[tuple[Callable[[Any], Any], str]] = [
     (lambda d: raypath.Datapath(config="lanes = 3"), r"config:1: lanes: '3'"),
     (lambda d: raypath.Datapath(config="missing.toml"), r"missing.toml: No such file"),
     (lambda d: raypath.Datapath(with_="cone"), r"'cone' is not an added operation, expected .*sphere"),
-    (lambda d: raypath.Datapath(rules="chisel", conservative=True), r"conservative: true is not available with rules chisel, because .*; expected rules paper"),
+    (
+        lambda d: raypath.Datapath(rules="chisel", conservative=True),
+        r"conservative: true is not available with rules chisel, because .*; expected rules paper",
+    ),
 ]
 
 
