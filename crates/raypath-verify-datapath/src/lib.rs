@@ -101,7 +101,8 @@ pub const ITEMS: &[Item] = &[
         name: "text-coverage",
         claim: "the stimuli of campaigns execute 99 % of the lines and branches of the emitted SystemVerilog, and \
             toggle 99 % of its bits, without what is proved to be out of reach; at level full for every preset, small \
-            datapaths with every pair of values of the parameters, and each added operation; designs with a lower figure are listed with it, and do not fall below it",
+            datapaths with every pair of values of the parameters, and each added operation; designs with a lower \
+            figure are listed with it, and do not fall below it",
         oracle: "Verilator's counters, while its outputs are those of the cycle-exact model; runs that leave out an \
             operation or all nodes, which must be below 99 %",
         has_configuration: true,
