@@ -48,7 +48,7 @@ sys.exit(0 if accepted else 1)
 pub fn lint_verilator(files: &[PathBuf], top: &str, arguments: &[&str]) -> Result<(), ToolError> {
     let mut command = Command::new("verilator");
     command.args(["--lint-only", "-Wall", "--top-module", top]).args(arguments).args(files);
-    once(&VERILATOR, &[&[top], arguments].concat(), files, || VERILATOR.output(&mut command))
+    once(&VERILATOR, &[&["-Wall", top], arguments].concat(), files, || VERILATOR.output(&mut command))
 }
 
 /// Reads a file with Yosys and runs `check -assert` on it.
@@ -65,7 +65,8 @@ pub fn lint_yosys(file: &Path, top: &str) -> Result<(), ToolError> {
     let script =
         format!("read_verilog -sv \"{}\"; hierarchy -check -top {top}; proc; check -assert; {latches}", file.display());
     let mut command = Command::new("yosys");
-    once(&YOSYS, &[top], &[file.to_path_buf()], || YOSYS.output(command.args(["-q", "-p", &script])))
+    let rules = script.replace(&file.display().to_string(), "");
+    once(&YOSYS, &[&rules], &[file.to_path_buf()], || YOSYS.output(command.args(["-q", "-p", &script])))
 }
 
 /// Compiles files with slang, by its Python module.
@@ -75,7 +76,7 @@ pub fn lint_yosys(file: &Path, top: &str) -> Result<(), ToolError> {
 pub fn lint_slang(files: &[PathBuf]) -> Result<(), ToolError> {
     let mut command = python();
     command.args(["-c", SLANG_SCRIPT]).args(files);
-    once(&PYSLANG, &[], files, || match PYSLANG.output(&mut command) {
+    once(&PYSLANG, &[SLANG_SCRIPT], files, || match PYSLANG.output(&mut command) {
         // The module, or a part that only later versions have, is missing.
         Err(ToolError::Failed { output, .. }) if output.starts_with("No module named 'pyslang") => {
             Err(ToolError::Missing(&PYSLANG))
@@ -95,22 +96,23 @@ pub fn lint_icarus(file: &Path, top: &str) -> Result<(), ToolError> {
     command.args(["-g2012", "-t", "null", "-s", top]).arg(file);
     let is_other = |line: &&str| !line.ends_with(ALL_BITS_ARE_SENSITIVE);
     let output = || Ok(ICARUS.output(&mut command)?.lines().filter(is_other).collect());
-    once(&ICARUS, &[top], &[file.to_path_buf()], output)
+    once(&ICARUS, &[ALL_BITS_ARE_SENSITIVE, top], &[file.to_path_buf()], output)
 }
 
 const ALL_BITS_ARE_SENSITIVE: &str =
     "sorry: constant selects in always_* processes are not currently supported (all bits will be included).";
 
 /// Expects that a run prints nothing. Texts that passed are not read again if the environment variable
-/// `RAYPATH_VERILATED` names a folder: a file there is named by a hash of the texts, the arguments and the version.
+/// `RAYPATH_VERILATED` names a folder: a file there is named by a hash of the texts, the version, and `rules`, on which
+/// the judgement depends besides.
 fn once(
     program: &'static Program,
-    arguments: &[&str],
+    rules: &[&str],
     files: &[PathBuf],
     run: impl FnOnce() -> Result<String, ToolError>,
 ) -> Result<(), ToolError> {
     let mut key = DefaultHasher::new();
-    (program.version()?, arguments).hash(&mut key);
+    (program.version()?, rules).hash(&mut key);
     for file in files {
         (file.file_name(), read(file)?).hash(&mut key);
     }

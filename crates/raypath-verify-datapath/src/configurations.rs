@@ -2,7 +2,6 @@
 //! `mutation` tests.
 
 use crate::covering::{Space, presets_and_pairs};
-use raypath_rtl::Config;
 use raypath_sim::Datapath;
 use raypath_sim::engine::NetlistEngine;
 use raypath_sim::lockstep::RegressionChecks;
@@ -41,7 +40,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
 
 /// What is wrong in a configuration.
 fn failure(checks: RegressionChecks) -> Result<Option<String>, Error> {
-    let config: Config = checks.config;
+    let config = checks.config;
     let model = Datapath::paper(config).model();
     let mut netlist = NetlistEngine::new(model.clone(), config, RegressionChecks::observes)?;
     let failed = checks.check(&mut netlist, &model).err();

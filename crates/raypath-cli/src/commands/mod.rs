@@ -14,7 +14,7 @@ mod full;
 mod light;
 
 use crate::error::CliError;
-use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 #[cfg(not(feature = "full"))]
 use light as full;
 use raypath_rtl::report::tables::{exceptions, presets};
@@ -77,25 +77,19 @@ pub fn main() -> ExitCode {
 
 /// Runs the command that `arguments` name and returns the exit code. The first argument is the name of the program.
 pub fn run(arguments: impl IntoIterator<Item: Into<OsString> + Clone>) -> u8 {
-    let parsed = CommandLine::command().try_get_matches_from(arguments).and_then(|matches| command(&matches));
+    let parsed = CommandLine::command().try_get_matches_from(arguments).and_then(|matches| {
+        let command = CommandLine::from_arg_matches(&matches);
+        Ok((command.map_err(|error| error.format(&mut CommandLine::command()))?, outputs::overwritten(&matches)))
+    });
     match parsed {
-        Ok(Ok(command)) => exit(|out| command.run(out)),
-        Ok(Err(problem)) => exit(|_| Err(CliError::unusable(problem))),
+        Ok((command, None)) => exit(|out| command.run(out)),
+        Ok((_, Some(problem))) => exit(|_| Err(CliError::unusable(problem))),
         Err(error) => {
             // If the message cannot be written, the exit code alone reports the error.
             let _ = error.print();
             u8::try_from(error.exit_code()).unwrap_or(2)
         }
     }
-}
-
-/// The command of these arguments, or why it would destroy a file.
-fn command(matches: &ArgMatches) -> clap::error::Result<Result<CommandLine, String>> {
-    if let Some(problem) = outputs::overwritten(matches) {
-        return Ok(Err(problem));
-    }
-    let parsed = CommandLine::from_arg_matches(matches);
-    Ok(Ok(parsed.map_err(|error| error.format(&mut CommandLine::command()))?))
 }
 
 /// Runs `command` with standard output, reports an error on standard error, and returns the exit code.

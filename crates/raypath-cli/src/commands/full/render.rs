@@ -315,7 +315,7 @@ fn costs(rendering: &Rendering, seconds: f64, out: &mut dyn Write) -> Result<(),
     )?;
     for (name, costs) in kinds.iter().filter(|(_, costs)| costs.rays > 0) {
         let Counts { quadbox, triangle, behind, nodes, leaves, .. } = costs.counts;
-        // The model of the traversal unit does not count them.
+        // The model of the traversal unit does not count the leaves that it reads.
         let leaves = if leaves == 0 && triangle > 0 { "-".to_string() } else { leaves.to_string() };
         writeln!(
             out,
