@@ -74,7 +74,7 @@ fn answers_of(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)], config
         let ports = [("opcode", 2), ("a", to_port(a)), ("b", to_port(b)), ("flag", flag.into()), ("word", word)];
         ports.map(|(name, value)| (name.to_string(), value)).into()
     });
-    let (answers, first) = drive(&datapath, &given.collect::<Vec<_>>(), || false);
+    let (answers, first) = drive(&datapath, &given.collect::<Vec<_>>());
     assert_eq!(first, datapath.latency(), "{config}");
     let number = |bits: u64| f32::from_bits(u32::try_from(from_port(bits)).expect("32 bits"));
     answers.iter().map(|ports| (number(ports["number"]), ports["is_so"] == 1, ports["code"])).collect()

@@ -2,14 +2,13 @@
 
 mod unread;
 
-use crate::common::driver::Driver;
-use raypath_ops::{
-    Angular, Binary32, Bit, Circuit, Euclidean, Num, Operation, RayBox, RayTriangle, Rounding, Rules, bundle,
-};
+use crate::common::driver::compare;
+use raypath_float::Format;
+use raypath_ops::{Angular, Bit, Circuit, Euclidean, Num, Operation, RayBox, RayTriangle, Rounding, Rules, bundle};
 use raypath_rtl::{
-    Budget, Config, Control, DatapathNetlist, Error, OperationVisitor, Operations, STAGES, Sharing, UnitKind,
-    UnitLatency, Units,
+    Budget, Config, Control, DatapathNetlist, Error, Operations, STAGES, Sharing, UnitKind, UnitLatency, Units,
 };
+use raypath_sim::{Datapath, Words, jobs};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Adds the operations with these opcodes: triangles, boxes, Euclidean and angular distances.
@@ -184,9 +183,9 @@ fn answers_are_those_of_the_operations() {
         for &(config, count) in configs {
             let set = with::<16, 8>(Operations::new().auto().within(budget), &ALL, rules).expect("operations");
             let datapath = DatapathNetlist::build(set, config.microarchitecture).expect("a datapath");
-            let mut driver = Driver::new(Binary32, config);
-            let Ok(()) = config.rules(rules).semantics.operations(&mut driver);
-            for (port, values) in driver.run(&config.to_string(), &datapath, count) {
+            let model = Datapath::paper(config.rules(rules)).model();
+            let jobs: Vec<Words> = jobs::random(&model, Format::BINARY32, 1, config.kinds()).take(count).collect();
+            for (port, values) in compare(config, &datapath, &model, &jobs) {
                 seen.entry(port).or_default().extend(values);
             }
         }
@@ -225,13 +224,12 @@ fn of<O: Operation>(operation: &O) -> DatapathNetlist {
     Operations::new().with(operation, 0).and_then(DatapathNetlist::of).expect("a datapath")
 }
 
-/// Compares random jobs of an operation with the operation.
+/// Compares the netlist of an operation with its model.
 fn run(operation: impl Operation + Send + Sync + 'static, config: Config) {
-    let set = Operations::new().with(&operation, 0).expect("an operation");
-    let datapath = DatapathNetlist::build(set, config.microarchitecture).expect("a datapath");
-    let mut driver = Driver::new(Binary32, config);
-    let Ok(()) = driver.visit(operation, 0);
-    driver.run(&config.to_string(), &datapath, 500);
+    let datapath = Datapath::new().built_as(config.microarchitecture).with(operation);
+    let model = datapath.model();
+    let jobs: Vec<Words> = jobs::any_jobs(model.clone(), 1).take(500).collect();
+    compare(config, &datapath.elaborate().expect("a datapath"), &model, &jobs);
 }
 
 fn arithmetic(datapath: &DatapathNetlist) -> Vec<(usize, usize, usize)> {

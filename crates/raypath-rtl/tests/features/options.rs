@@ -9,8 +9,8 @@ use raypath_float::Format;
 use raypath_hdl::verilog;
 use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{
-    Angular, Binary32, Circuit, Culling, Euclidean, JobKind, Num, Operation, RayBox, RayTriangle, Relation, Rounding,
-    Rules, WIDENING_ULPS,
+    Angular, Circuit, Culling, Euclidean, JobKind, Num, Operation, RayBox, RayTriangle, Relation, Rounding, Rules,
+    WIDENING_ULPS,
 };
 use raypath_rtl::{
     Accumulators, Config, Control, DatapathNetlist, Encoding, Error, Features, Lanes, Multiplier, OperationVisitor,
@@ -74,40 +74,22 @@ fn features_that_are_off_add_no_hardware() {
     assert_eq!(Config::DEFAULT.semantics.features, Features::default());
 }
 
-#[test]
-fn each_feature_is_as_its_operation_says() {
-    // Exceptions need a circuit that collects them: `exceptions.rs`.
-    for (_, features) in every_feature() {
-        check(Binary32, SMALL.features(Features { exception_flags: false, ..features }), None, 1_500);
-    }
-}
-
+/// Each feature by itself is in the configurations of `raypath verify configurations`.
 #[test]
 fn features_do_not_depend_on_the_microarchitecture() {
     let all = SMALL.features(ALL);
-    let mut configs = Vec::new();
-    for &control in Control::ALL {
-        configs.extend(UnitLatency::ALL.iter().map(|&latency| all.control(control).unit_latency(latency)));
-    }
-    configs.push(all.io(Encoding::Recoded).multiplier(Multiplier::Inferred));
-    configs.push(all.registers(Encoding::Ieee).sharing(Sharing::Segregated));
-    configs.push(all.lanes(Lanes::None));
-    let features = Features { conservative: false, ..ALL };
-    configs.push(all.rules(Rules::Chisel).features(features));
-    for culling in [Culling::Front, Culling::Back] {
-        configs.push(all.rules(Rules::Chisel).features(Features { culling, ..features }));
-    }
-    for config in configs {
-        check(Binary32, config, None, 1_000);
-    }
-}
-
-/// The widening constant is that of the format.
-#[test]
-fn features_are_the_same_in_other_formats() {
-    for format in [Format::BINARY16, Format::BFLOAT16] {
-        let config = SMALL.format(format).features(ALL);
-        check(Soft { format }, config, None, 1_000);
+    let front = Features { conservative: false, culling: Culling::Front, ..ALL };
+    for config in [
+        all,
+        all.control(Control::Credit).unit_latency(UnitLatency::Three),
+        all.io(Encoding::Recoded).multiplier(Multiplier::Inferred).unit_latency(UnitLatency::Two),
+        all.registers(Encoding::Ieee).sharing(Sharing::Segregated),
+        all.lanes(Lanes::None).rules(Rules::Chisel).features(front),
+        // The widening constant is that of the format.
+        all.format(Format::BINARY16),
+        all.format(Format::BFLOAT16),
+    ] {
+        check(config, 1_000);
     }
 }
 
@@ -127,7 +109,7 @@ fn unsupported_opcodes_yield_zeros_after_the_latency() {
         words.iter().map(word).chain([("opcode".to_string(), opcode)]).collect()
     };
     let jobs: Vec<Ports> = (2..802).map(|number| number % 4).map(job).collect();
-    let (answers, first) = drive(&datapath, &jobs, || false);
+    let (answers, first) = drive(&datapath, &jobs);
     assert_eq!(first, 12);
     let mut not_zero = 0;
     for (job, answer) in jobs.iter().zip(answers) {

@@ -104,7 +104,7 @@ fn exceptions_of_dead_values_are_an_output() {
     ] {
         let numbers = numbers.into_iter().enumerate();
         let job = numbers.map(|(index, number)| (format!("n_{index}"), f32::to_bits(number).into())).collect();
-        let (answers, _) = drive(&datapath, &[job], || false);
+        let (answers, _) = drive(&datapath, &[job]);
         assert_eq!(answers[0]["exception_flags"], expected, "{answers:?}");
     }
 }
