@@ -102,13 +102,17 @@ const MAX_BYTES: u64 = 64 << 10;
 const MAX_CONFIGURATIONS: usize = 10_000;
 
 fn text(path: &Path) -> Result<String, InputError> {
-    let mut text = String::new();
+    let mut bytes = Vec::new();
     // One byte more than allowed, to detect a longer file.
-    let read = File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_string(&mut text));
-    match read.map_err(|problem| InputError::in_file(path, problem))? as u64 {
-        ..=MAX_BYTES => Ok(text),
-        _ => Err(InputError::in_file(path, format!("more than {MAX_BYTES} bytes, expected at most that"))),
+    let read = File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
+    if read.map_err(|problem| InputError::in_file(path, problem))? as u64 > MAX_BYTES {
+        return Err(InputError::in_file(path, format!("more than {MAX_BYTES} bytes, expected at most that")));
     }
+    String::from_utf8(bytes).map_err(|problem| {
+        let before = &problem.as_bytes()[..problem.utf8_error().valid_up_to()];
+        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+        InputError::at_line(path, line, "a byte that is not UTF-8, expected text".to_string())
+    })
 }
 
 struct Document<'f> {

@@ -136,13 +136,16 @@ impl Part {
     /// Reads all parts in a folder: its files `*.json`.
     ///
     /// # Errors
-    /// A file cannot be read, is no part, or is a part of other work.
+    /// There are none; a file cannot be read, is no part, or is a part of other work.
     pub fn read_all(folder: &Path, version: &str, work: &str) -> Result<Vec<(PathBuf, Self)>, ToolError> {
         let refused = |problem| ToolError::file(folder, "read", problem);
         let entries = std::fs::read_dir(folder).map_err(refused)?;
         let paths: Result<Vec<PathBuf>, _> = entries.map(|entry| entry.map(|entry| entry.path())).collect();
         let mut paths = paths.map_err(refused)?;
         paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
+        if paths.is_empty() {
+            return Err(unexpected(folder, "no files *.json".to_string(), "a part of each shard, as --part writes it"));
+        }
         paths.sort();
         paths.into_iter().map(|path| Ok((path.clone(), Self::read(&path, version, work)?))).collect()
     }
@@ -232,6 +235,8 @@ mod tests {
     #[test]
     fn files_of_other_work_are_errors() {
         let folder = tempfile::tempdir().expect("a folder");
+        let problem = Part::read_all(folder.path(), "1", "verify").expect_err("no files").to_string();
+        assert!(problem.contains("no files *.json, expected a part of each shard"), "{problem}");
         let (name, part) = part("1/1", &[1]);
         let path = folder.path().join(name).with_extension("json");
         std::fs::write(&path, serde_json::to_string(&part).expect("JSON")).expect("a file");

@@ -227,9 +227,10 @@ fn wrong_input_is_named() {
     let broken = file("angular_broken.txt.gz", &[0x1f, 0x8b, 8, 0, 1, 2, 3]);
     let not_text = file("angular_not_text.txt", &[b'0', 0xff, 0xfe]);
     let empty = file("angular_empty.txt", b"");
+    let below = format!("{empty}/results.json");
     let nameless = file("jobs.txt", beat.as_bytes());
     let lanes = file("small.toml", b"rules = \"paper\"\nlanes = 5\n");
-    let cases: [(&[&str], &[&str]); 31] = [
+    let cases: [(&[&str], &[&str]); 40] = [
         (&["replay", "/nonexistent/triangle.txt"], &["/nonexistent/triangle.txt", "No such file"]),
         (&["replay", &wrong_digit], &["angular_digit.txt:1", "field 5", "euclidean_a_0", "4000000g", "hexadecimal"]),
         (&["replay", &too_wide], &["angular_wide.txt:2", "field 4", "euclidean_mask", "1ff", "at most ff"]),
@@ -241,9 +242,21 @@ fn wrong_input_is_named() {
         (&["replay", "--kind", "box", &empty], &["'box' is not a valid kind of job"]),
         (
             &["ray", "--origin", "1", "2", "3", "--direction", "-inf", "0", "0"],
-            &["direction (-inf, 0, 0) is not finite"],
+            &["'-inf'", "--direction", "expected a number from -3.4028235e38 to 3.4028235e38"],
         ),
-        (&["replay", &empty], &["no transactions"]),
+        (
+            &["ray", "--origin", "1e40", "2", "3", "--direction", "1", "0", "0"],
+            &["'1e40'", "--origin", "to 3.4028235e38"],
+        ),
+        (&["verify", "--jobs", "-1"], &["'-1'", "--jobs", "expected a whole number from 1"]),
+        (&["verify", "--out", &below], &["--out", &below, "cannot write in"]),
+        (&["search", "--ef", "20"], &["--index"]),
+        (&["render", "--window-jobs", "20"], &["--report", "--konata"]),
+        (&["render", "--no-timing", "--clock", "500"], &["--no-timing", "cannot be used with", "--clock"]),
+        (&["render", "--rays", &empty], &["angular_empty.txt: no rays, expected at least one"]),
+        (&["render", "--through", "unit", "--rays-in-flight", "8"], &["--rays-in-flight 8", "expected --contexts"]),
+        (&["box-bits", "--period", "9"], &["--period", "have no effect", "expected --area too"]),
+        (&["replay", &empty], &["angular_empty.txt: no transactions"]),
         (&["replay", &nameless], &["jobs.txt", "--kind"]),
         (&["replay"], &["FILES"]),
         (&["generate", "--lanes", "0"], &["'0' is not a valid number of lanes", "none, 2, 4"]),

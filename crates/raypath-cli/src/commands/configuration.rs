@@ -36,7 +36,11 @@ impl ConfigArguments {
         for (parameter, value) in &self.changes {
             parameter.set(&mut config, value).map_err(CliError::unusable)?;
         }
-        config.check()?;
+        // Values of the file and of options may exclude each other.
+        config.check().map_err(|problem| match &self.base.config {
+            Some(path) => CliError::unusable(format!("{}: {problem}", path.display())),
+            None => problem.into(),
+        })?;
         Ok(config)
     }
 

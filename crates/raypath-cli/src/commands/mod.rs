@@ -77,9 +77,11 @@ pub fn main() -> ExitCode {
 
 /// Runs the command that `arguments` name and returns the exit code. The first argument is the name of the program.
 pub fn run(arguments: impl IntoIterator<Item: Into<OsString> + Clone>) -> u8 {
-    let parsed = CommandLine::command().try_get_matches_from(arguments).and_then(|matches| {
+    // So that the message about a negative number is that of its option.
+    let commands = CommandLine::command().mut_subcommands(|command| command.allow_negative_numbers(true));
+    let parsed = commands.try_get_matches_from(arguments).and_then(|matches| {
         let command = CommandLine::from_arg_matches(&matches);
-        Ok((command.map_err(|error| error.format(&mut CommandLine::command()))?, outputs::overwritten(&matches)))
+        Ok((command.map_err(|error| error.format(&mut CommandLine::command()))?, outputs::problem(&matches)))
     });
     match parsed {
         Ok((command, None)) => exit(|out| command.run(out)),

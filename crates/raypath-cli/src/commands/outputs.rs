@@ -1,14 +1,36 @@
-//! A file that a command writes must be none that it reads or writes besides.
+//! Outputs of commands, checked before the work: a file that a command writes must be none that it reads or writes
+//! besides, and its folder must permit it.
 
 use clap::ArgMatches;
+use clap::parser::ValueSource;
 use std::path::{Path, PathBuf};
 
 /// The options that name a file to write, of all commands.
 const OUTPUTS: [&str; 7] = ["out", "hits", "heatmap", "camera_rays", "report", "konata", "part"];
 
-/// The first output that another argument of the command names too, as a message.
-pub fn overwritten(matches: &ArgMatches) -> Option<String> {
+/// What is wrong with an output of the command, as a message.
+pub fn problem(matches: &ArgMatches) -> Option<String> {
     let (_, matches) = matches.subcommand()?;
+    overwritten(matches).or_else(|| unwritable(matches))
+}
+
+/// The first output that the user names and that cannot be made.
+fn unwritable(matches: &ArgMatches) -> Option<String> {
+    let is_given = |name: &&str| {
+        let is_known = matches.ids().any(|id| id.as_str() == *name);
+        is_known && matches.value_source(name) == Some(ValueSource::CommandLine)
+    };
+    OUTPUTS.iter().filter(|name| is_given(name)).find_map(|name| {
+        let path = matches.try_get_one::<PathBuf>(name).ok().flatten()?;
+        let folder = path.ancestors().skip(1).find(|folder| folder.exists() || folder.as_os_str().is_empty())?;
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let refused = if can_be_lost(path) { tempfile::tempfile_in(folder).err()? } else { return None };
+        Some(format!("{} {}: cannot write in {}: {refused}", shown(name), path.display(), folder.display()))
+    })
+}
+
+/// The first output that another argument of the command names too.
+fn overwritten(matches: &ArgMatches) -> Option<String> {
     let mut files: Vec<(&str, PathBuf)> = Vec::new();
     for id in matches.ids() {
         // Values of other types are no paths.

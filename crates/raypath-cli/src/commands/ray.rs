@@ -8,10 +8,10 @@ use std::io::Write;
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// The origin: three numbers
-    #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true)]
+    #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true, value_parser = finite)]
     origin: Vec<f32>,
     /// The direction, of any length except zero: three numbers
-    #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true)]
+    #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true, value_parser = finite)]
     direction: Vec<f32>,
     /// The extent, in units of the direction's length
     #[arg(long, default_value_t = f32::INFINITY, allow_hyphen_values = true)]
@@ -33,4 +33,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         }
     }
     Ok(())
+}
+
+fn finite(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|number: &f32| number.is_finite());
+    number.ok_or_else(|| format!("expected a number from {:e} to {:e}", f32::MIN, f32::MAX))
 }

@@ -32,4 +32,7 @@ fn outcomes_that_do_not_come_are_an_error() {
     let missing = missing.to_str().expect("a plain path");
     ends_with(&[&connect[..], &[missing]].concat(), 2, &[missing, "cannot write"]);
     ends_with(&[&connect[..], &[&board]].concat(), 1, &["of 3 outcomes are wrong or missing"]);
+    let kept = file(folder.path(), "kept", "text");
+    ends_with(&[&connect[..], &[&kept]].concat(), 2, &[&kept, "a file, which jobs would overwrite, expected a device"]);
+    assert_eq!(std::fs::read_to_string(&kept).expect("a file"), "text");
 }

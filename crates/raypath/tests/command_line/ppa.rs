@@ -75,7 +75,7 @@ fn wrong_input_is_named_before_any_work() {
     fs::create_dir(folder.join("earlier")).expect("a folder");
     write("earlier/ppa.json", "{\"design\": \"x\"}");
     write("one.fvecs", "\u{1}\0\0\0\0\0\0\0");
-    let cases: [(&[&str], &[&str]); 21] = [
+    let cases: [(&[&str], &[&str]); 22] = [
         (&["ppa", "--liberty", "none.lib"], &["none.lib: cannot read: No such file"]),
         (&["ppa", "--liberty", "broken.lib"], &["broken.lib:2: found '3', expected ':' or '('"]),
         (&["ppa", "--liberty", "bare.lib"], &["bare.lib: no NAND with two inputs in this library"]),
@@ -97,6 +97,10 @@ fn wrong_input_is_named_before_any_work() {
         (&["explore", "--objective", "area,speed"], &["'speed' is not a metric, expected area, period, energy"]),
         (&["explore", "--goal", "area<=1mm2", "--first", "2"], &["expected a whole number from 6 to 10000"]),
         (&["explore", "--budget", "3"], &["--goal"]),
+        (
+            &["explore", "--goal", "area<=1mm2", "--objective", "area", "--liberty", "none.lib"],
+            &["none.lib: cannot read"],
+        ),
     ];
     for (arguments, words) in cases {
         ends_with(folder, arguments, 2, words);

@@ -46,6 +46,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
             "{config}: expected rules paper and format fp32, which are compared with"
         )));
     }
+    if !arguments.area && arguments.bench.is_chosen() {
+        let problem = "options of the measurement (--liberty, --period and others) have no effect, expected --area too";
+        return Err(CliError::unusable(problem));
+    }
     let all = || (BoxBits::MIN.0..=BoxBits::MAX.0).map(BoxBits).collect();
     let bits: Vec<BoxBits> = if arguments.bits.is_empty() { all() } else { arguments.bits.clone() };
     let scenes = scenes(&arguments.scenes, arguments.memory.limit)?;

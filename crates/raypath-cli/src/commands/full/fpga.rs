@@ -68,6 +68,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let elaborated = datapath.elaborate()?;
     let shell = Shell::new(elaborated.top(), arguments.stream)?;
     match &arguments.connect {
+        Some(path) if path.metadata().is_ok_and(|found| found.is_file() && found.len() > 0) => {
+            let problem =
+                format!("--connect {}: a file, which jobs would overwrite, expected a device", path.display());
+            Err(CliError::unusable(problem))
+        }
         Some(path) => {
             let board = |host: &Host<'_>, jobs: &[Words], outcomes: &[Words]| {
                 let open = |options: &mut std::fs::OpenOptions, doing| {

@@ -6,7 +6,10 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, PowerResults, Report, Workload};
 use raypath_tools::{OpenSta, Yosys, YosysKind};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// The default period in nanoseconds.
+const PERIOD: f64 = 12.0;
 
 #[derive(Debug, Args)]
 pub struct BenchArguments {
@@ -14,7 +17,7 @@ pub struct BenchArguments {
     #[arg(long, default_value = DEFAULT_LIBRARY, value_name = "FILE")]
     liberty: PathBuf,
     /// The clock period for which gates are optimised, in nanoseconds; not a limit
-    #[arg(long, default_value_t = 12.0, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
+    #[arg(long, default_value_t = PERIOD, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
     period: f64,
     /// The part of the period for which units are optimised, in nanoseconds; the gates around them are optimised for
     /// the rest [default: the whole period for both]
@@ -38,6 +41,13 @@ fn yosys() -> impl TypedValueParser<Value = YosysKind> {
 }
 
 impl BenchArguments {
+    /// Whether the user chose the library, a period or a program.
+    pub fn is_chosen(&self) -> bool {
+        let Self { liberty, period, unit_period, jobs, yosys, .. } = self;
+        let is_default = liberty == Path::new(DEFAULT_LIBRARY) && *period == PERIOD;
+        !is_default || unit_period.is_some() || jobs.is_some() || yosys.is_some()
+    }
+
     /// Finds the library and the tools, and measures designs with a progress bar.
     pub fn measure(&self, designs: &[Design]) -> Result<Vec<Report>, CliError> {
         crate::measure::measure(&self.bench()?, designs).map_err(resumable)

@@ -79,9 +79,10 @@ pub struct Arguments {
         conflicts_with_all = ["rays", "hits", "shadows", "ao", "samples", "heatmap", "two_sided", "through", "camera_rays"]
     )]
     draw: Option<PathBuf>,
-    /// Rays in flight in the simulation; the rays of a pixel follow one another
-    #[arg(long, default_value_t = 256, value_parser = whole(1..=1usize << 20), value_name = "R")]
-    rays_in_flight: usize,
+    /// Rays in flight in the simulation; the rays of a pixel follow one another [default: 256; with --through unit as
+    /// many as its contexts hold]
+    #[arg(long, conflicts_with = "no_timing", value_parser = whole(1..=1usize << 20), value_name = "R")]
+    rays_in_flight: Option<usize>,
     /// Simulate N evenly spaced pixels, or rays of --rays
     #[arg(long, default_value_t = 50_000, value_parser = whole(1..=usize::MAX), value_name = "N")]
     timed: usize,
@@ -96,6 +97,9 @@ pub struct Arguments {
     #[command(flatten)]
     config: ConfigArguments,
 }
+
+/// The default number of rays in flight through the datapath.
+const RAYS_IN_FLIGHT: usize = 256;
 
 /// What traces the rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -137,6 +141,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     match &arguments.rays {
         Some(path) => {
             let rays = read_rays(path, arguments.memory.limit).map_err(CliError::unusable)?;
+            if rays.is_empty() {
+                return Err(CliError::unusable(format!("{}: no rays, expected at least one", path.display())));
+            }
             trace(arguments, config, system, tracing, rays, out)
         }
         None => picture(arguments, config, system, tracing, out),
@@ -256,7 +263,7 @@ fn time(
     }
     let name = scene::name(arguments.scene.as_deref());
     let subject = &Simulated { name, work, max: arguments.timed };
-    let timed = arguments.timing.run(subject, arguments.rays_in_flight, config, out)?;
+    let timed = arguments.timing.run(subject, arguments.rays_in_flight.unwrap_or(RAYS_IN_FLIGHT), config, out)?;
     if let Some(Timed { mut recording, files: more }) = timed {
         recording.image = png.map(|png| Image { title: "The picture".to_string(), png });
         files.extend(more);
@@ -278,6 +285,10 @@ impl Arguments {
     fn unit_system(&self, config: Config) -> Result<Option<UnitSystem>, CliError> {
         if self.through == Through::Datapath {
             return self.unit.expect_none().map(|()| None);
+        }
+        if let Some(rays) = self.rays_in_flight {
+            let problem = format!("--rays-in-flight {rays}: with --through unit, expected --contexts");
+            return Err(CliError::unusable(problem));
         }
         if self.timing.view.is_wanted() {
             let problem = "--through unit: it has no timeline of jobs, so there is no --report and no --konata";

@@ -49,19 +49,19 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.ivecs")]
     out: Option<PathBuf>,
     /// Maximum connections of a vector in the graph
-    #[arg(long, default_value_t = 16, value_parser = whole(2..=255usize), value_name = "M")]
+    #[arg(long, requires = "index", default_value_t = 16, value_parser = whole(2..=255usize), value_name = "M")]
     connections: usize,
     /// Candidates kept during construction of the graph
-    #[arg(long, default_value_t = 200, value_parser = whole(1..=65_536usize), value_name = "N")]
+    #[arg(long, requires = "index", default_value_t = 200, value_parser = whole(1..=65_536usize), value_name = "N")]
     ef_construction: usize,
     /// Candidates kept during a graph search [default: five times the neighbours]
-    #[arg(long, value_parser = whole(1..=65_536usize), value_name = "N")]
+    #[arg(long, requires = "index", value_parser = whole(1..=65_536usize), value_name = "N")]
     ef: Option<usize>,
     /// Seed of generated vectors and of the graph
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
     /// Queries in flight in the simulation
-    #[arg(long, default_value_t = 32, value_parser = whole(1..=1usize << 20), value_name = "R")]
+    #[arg(long, conflicts_with = "no_timing", default_value_t = 32, value_parser = whole(1..=1usize << 20), value_name = "R")]
     queries_in_flight: usize,
     /// Simulate the first N queries [default: as many as take five million beats]
     #[arg(long, value_parser = whole(1..=usize::MAX), value_name = "N")]

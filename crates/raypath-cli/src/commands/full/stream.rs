@@ -40,7 +40,8 @@ impl StreamArguments {
         }
         let stream = merge(files);
         if stream.is_empty() {
-            return Err(CliError::unusable("the files hold no transactions, expected at least one"));
+            let names: Vec<String> = self.files.iter().map(|path| path.display().to_string()).collect();
+            return Err(CliError::unusable(format!("{}: no transactions, expected at least one", names.join(", "))));
         }
         Ok(if self.interleave {
             interleave(stream, |transaction| transaction.job.kind().opcode(), self.seed)

@@ -24,7 +24,7 @@ pub struct TimingArguments {
     #[arg(long, value_name = "FILE.svg")]
     sweep: Option<PathBuf>,
     /// Skip the simulation
-    #[arg(long, conflicts_with_all = ["sweep", "report", "konata"])]
+    #[arg(long, conflicts_with_all = ["memory_latency", "clock", "timed", "sweep", "report", "konata"])]
     no_timing: bool,
     #[command(flatten)]
     pub view: ViewArguments,

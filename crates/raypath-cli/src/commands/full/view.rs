@@ -2,7 +2,7 @@
 
 use crate::commands::full::utilisation::{operations, table, utilisation};
 use crate::{CliError, whole};
-use clap::Args;
+use clap::{ArgGroup, Args};
 use raypath_rtl::{Config, DatapathNetlist, parameters};
 use raypath_sim::files::write_all;
 use raypath_timing::report::{Recorder, Recording, html, konata};
@@ -12,6 +12,7 @@ use std::path::PathBuf;
 /// Options for reports and timelines.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "A picture of the pipeline")]
+#[command(group = ArgGroup::new("timeline").multiple(true).args(["report", "konata"]))]
 pub struct ViewArguments {
     /// Write a page about the run, for a browser: utilisation, and a timeline of the pipeline
     #[arg(long, value_name = "FILE.html")]
@@ -20,10 +21,10 @@ pub struct ViewArguments {
     #[arg(long, value_name = "FILE")]
     konata: Option<PathBuf>,
     /// The number of jobs in the timeline
-    #[arg(long, default_value_t = 2000, value_parser = whole(1..=20_000usize), value_name = "N")]
+    #[arg(long, requires = "timeline", default_value_t = 2000, value_parser = whole(1..=20_000usize), value_name = "N")]
     window_jobs: usize,
     /// The first cycle of the timeline
-    #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX), value_name = "CYCLE")]
+    #[arg(long, requires = "timeline", default_value_t = 0, value_parser = whole(0..=u64::MAX), value_name = "CYCLE")]
     window_from: u64,
 }
 

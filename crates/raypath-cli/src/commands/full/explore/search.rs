@@ -6,7 +6,7 @@ use super::space::{Space, space};
 use crate::commands::full::MemoryArguments;
 use crate::commands::full::ppa::{self, design, picture};
 use crate::{CliError, whole};
-use clap::Args;
+use clap::{ArgGroup, Args};
 use raypath_ppa::explore::{Candidate, Goal, LinearPredictor, Metric, Search, SearchReport, Terms, Values};
 use raypath_ppa::{Bench, Design, Power, Report};
 use raypath_rtl::Config;
@@ -19,14 +19,15 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Search (with --goal or --objective, only what may be on the front is measured)")]
+#[command(group = ArgGroup::new("wanted").multiple(true).args(["goal", "objective"]))]
 pub struct SearchArguments {
     /// A limit: area<=0.6mm2, period<=12ns, energy<=900pJ (a job of a picture), throughput>=0.5 (jobs a cycle),
     /// visits<=2% (more than with rules paper), latency<=16 (cycles); may be given several times
-    #[arg(long, group = "wanted", value_name = "METRIC<=LIMIT")]
+    #[arg(long, value_name = "METRIC<=LIMIT")]
     goal: Vec<Goal>,
     /// The metrics of the front [default: area, period, throughput, visits where they are known, and energy if it has a
     /// goal]
-    #[arg(long, group = "wanted", value_delimiter = ',', value_name = "METRIC,...")]
+    #[arg(long, value_delimiter = ',', value_name = "METRIC,...")]
     objective: Vec<Metric>,
     /// A scene for visits beside the built-in one: .obj, .gltf, .glb, .ply or .stl; may be given several times
     #[arg(long, requires = "wanted", value_name = "FILE")]
