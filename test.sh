@@ -85,6 +85,8 @@ find "$RAYPATH_VERILATED" -type f -atime +7 -delete
 # Files that examples and simulators compile with Verilator or CMake.
 export OBJCACHE=ccache CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
 export CCACHE_DIR="$target/ccache" CCACHE_MAXSIZE=1G
+# Tests compile in temporary folders, whose names are not part of what is compiled.
+export CCACHE_BASEDIR=${TMPDIR:-/tmp} CCACHE_NOHASHDIR=true
 
 step 'Compiling the tests'
 cargo test --workspace --profile "$profile" --locked --no-run

@@ -186,12 +186,13 @@ fn instances_on_the_command_line() {
 /// the model's.
 #[test]
 fn the_rtl_draws_the_picture_of_the_model() {
+    const SIZE: &str = "12x9";
     let folder = folder();
     let below = |name: &str| text(&folder.path().join(name));
     page::succeeds(&["generate", "--unit", "--rays", "50", "--out", &below("")]);
     page::succeeds(&["scene", "--out", &below("scene.bin")]);
     let (rays, hits, model) = (below("rays.txt"), below("hits.txt"), below("model.png"));
-    let render = ["render", "--through", "unit", "--size", "20x14", "--camera-rays", &rays, "--hits", &hits];
+    let render = ["render", "--through", "unit", "--size", SIZE, "--camera-rays", &rays, "--hits", &hits];
     page::succeeds(&[&render[..], &["--out", &model]].concat());
 
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/unit/run.py");
@@ -201,8 +202,8 @@ fn the_rtl_draws_the_picture_of_the_model() {
     assert!(output.status.success() && said.contains("TESTS=3 PASS=3 FAIL=0"), "{said}");
 
     let (traced, drawn) = (below("rtl-hits.txt"), below("rtl.png"));
-    let said = page::succeeds(&["render", "--draw", &traced, "--size", "20x14", "--out", &drawn]);
-    assert!(said.contains("280 pixels, 70 with a hit"), "{said}");
+    let said = page::succeeds(&["render", "--draw", &traced, "--size", SIZE, "--out", &drawn]);
+    assert!(said.contains("108 pixels, 32 with a hit"), "{said}");
     let bytes = |path: &str| std::fs::read(path).expect("a picture");
     assert!(bytes(&drawn) == bytes(&model), "the pictures differ");
 
@@ -210,7 +211,7 @@ fn the_rtl_draws_the_picture_of_the_model() {
     let lines = std::fs::read_to_string(&traced).expect("hits");
     let changed = lines.replacen("miss\n", "5 1 1 1 3f800000 3f800000 3f800000\n", 1);
     let changed = file(folder.path(), "changed.txt", changed);
-    page::succeeds(&["render", "--draw", &changed, "--size", "20x14", "--out", &drawn]);
+    page::succeeds(&["render", "--draw", &changed, "--size", SIZE, "--out", &drawn]);
     assert!(bytes(&drawn) != bytes(&model), "a changed hit shows");
 }
 
