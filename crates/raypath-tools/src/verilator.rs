@@ -1,7 +1,7 @@
 //! SystemVerilog compiled by Verilator, and run as a process.
 
 use crate::files::{read, temporary_folder, write};
-use crate::verilator_coverage::{CoveragePoint, NO_INLINING, points};
+use crate::verilator_coverage::{CoveragePoint, points};
 use crate::{Program, Sources, ToolError, verilator_main, verilator_stream};
 use raypath_hdl::Module;
 use std::fs;
@@ -32,8 +32,7 @@ pub struct Options {
     pub native: bool,
     /// The number of compilers that run at a time.
     pub jobs: usize,
-    /// Whether lines, branches and toggles are counted, for [`Verilated::coverage`]. Such programs are many times as
-    /// large.
+    /// Whether lines and branches are counted, for [`Verilated::coverage`].
     pub coverage: bool,
     /// A folder that keeps compiled programs, so that none is compiled twice from the same texts. By default the one
     /// that the environment variable `RAYPATH_VERILATED` names.
@@ -127,8 +126,8 @@ impl Verilated {
         self.run_from(&[format!("-{}", initial_state(seed))], frames, on_outputs)
     }
 
-    /// As [`run`](Self::run), with the coverage of the run: bits of a random initial state would count as toggles. The
-    /// program must have been built with [`Options::coverage`].
+    /// As [`run`](Self::run), with the coverage of the run. The program must have been built with
+    /// [`Options::coverage`].
     ///
     /// # Errors
     /// As for [`Self::run`]; the program counts nothing.
@@ -297,9 +296,7 @@ fn compile(
         command.args(["--output-split", "1000000000"]);
     }
     if options.coverage {
-        let configuration = folder.join("coverage.vlt");
-        write(&configuration, NO_INLINING)?;
-        command.arg("--coverage").arg(configuration);
+        command.arg("--coverage-line");
     }
     if options.native {
         command.args(["-CFLAGS", "-march=native"]);

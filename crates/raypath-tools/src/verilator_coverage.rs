@@ -1,10 +1,7 @@
-//! What Verilator counts in a simulation: blocks executed, branches taken, and bits that changed.
+//! What is counted in a simulation: blocks executed and branches taken, by Verilator, and bits that changed.
 
 use crate::ToolError;
 use std::collections::BTreeMap;
-
-/// A configuration of Verilator. With counters, code that is inlined into each instance is three times as large.
-pub const NO_INLINING: &str = "`verilator_config\nno_inline -module \"*\"\n";
 
 /// What a coverage point counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -13,7 +10,7 @@ pub enum CoverageKind {
     Line,
     /// A side of an `if` was taken.
     Branch,
-    /// A bit of a signal changed, in either direction.
+    /// A bit of a signal changed, in either direction. Verilator does not count these here.
     Toggle,
 }
 
@@ -38,7 +35,7 @@ pub struct CoveragePoint {
     pub kind: CoverageKind,
     /// The module's name.
     pub module: String,
-    /// The line in the module's file, from 1.
+    /// The line in the module's file, from 1; 0 for a bit.
     pub line: usize,
     /// The bit of a toggle, `num_q[3]`; otherwise "if", "else", "case" or "block".
     pub name: String,
@@ -88,15 +85,15 @@ mod tests {
     #[test]
     fn points_of_instances_are_added() {
         let point = |instance: &str, name: &str, hits: u64| {
-            let page = "v_toggle/m__W9";
+            let page = "v_line/m__W9";
             let fields = [("l", "12"), ("n", "3"), ("page", page), ("o", name), ("h", instance)];
             let fields: String = fields.iter().map(|(key, value)| format!("\x01{key}\x02{value}")).collect();
             format!("C '{fields}' {hits}\n")
         };
-        let text = ["# x\n", &point("TOP.u_0", "a[0]", 3), &point("TOP.u_1", "a[0]", 4), &point("TOP", "a[1]", 0)];
+        let text = ["# x\n", &point("TOP.u_0", "case", 3), &point("TOP.u_1", "case", 4), &point("TOP", "block", 0)];
         let found: Vec<(String, u64)> =
             points(text.concat().as_bytes()).expect("points").into_iter().map(|it| (it.name, it.hits)).collect();
-        assert_eq!(found, [("a[0]".to_string(), 7), ("a[1]".to_string(), 0)]);
+        assert_eq!(found, [("block".to_string(), 0), ("case".to_string(), 7)]);
         assert!(points(b"C 'nothing' 1").is_err() && points(b"nothing").is_err());
     }
 }

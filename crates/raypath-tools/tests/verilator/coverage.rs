@@ -1,11 +1,11 @@
-//! The counts of lines, branches and toggles, on a module whose counts are known.
+//! The counts of lines and branches, on a module whose counts are known.
 
 use raypath_hdl::Builder;
 use raypath_tools::{CoverageKind, Options, Sources, Verilated};
 
 /// How often each point of a register with an enable is reached, of inputs below 2.
 #[test]
-fn lines_branches_and_toggles_are_counted() {
+fn lines_and_branches_are_counted() {
     let m = Builder::new("held");
     let held = m.register("held_q", 2).reset_to(0);
     held.next_when(m.input("load_i", 1), m.input("value_i", 2));
@@ -26,11 +26,6 @@ fn lines_branches_and_toggles_are_counted() {
         let named = points.into_iter().filter(|point| point.kind == kind && point.name == name);
         named.map(|point| point.hits).collect()
     };
-    // The last clock edge raises the register once more.
-    assert_eq!(hits(1, CoverageKind::Toggle, "held_q[0]"), [9]);
-    assert_eq!(hits(1, CoverageKind::Toggle, "held_q[1]"), [0]);
-    assert_eq!(hits(0, CoverageKind::Toggle, "held_q[0]"), [0]);
-    assert_eq!(hits(0, CoverageKind::Toggle, "value_i[0]"), [9]);
     let loading = hits(1, CoverageKind::Branch, "if");
     let holding = hits(0, CoverageKind::Branch, "if");
     assert!(loading != holding && !loading.is_empty(), "{loading:?} {holding:?}");

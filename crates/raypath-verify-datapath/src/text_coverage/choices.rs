@@ -5,11 +5,11 @@ use crate::datapaths::TestedDatapath;
 use raypath_float::Format;
 use raypath_ops::Culling;
 use raypath_ops::operations::NAMES;
-use raypath_rtl::{Config, Features, Lanes, Sharing};
+use raypath_rtl::{Config, Features, Lanes};
 use raypath_verify::{Error, Level};
 
 /// The datapaths of a level. Regression: a small one with features. Full: the presets, small ones with every pair of
-/// values of the parameters, each added operation, and two with a known figure below the bar.
+/// values of the parameters, and each added operation.
 ///
 /// # Errors
 /// A number format that does not exist; a parameter without the values that are given here.
@@ -31,8 +31,6 @@ pub fn choices(level: Level) -> Result<Vec<TestedDatapath>, Error> {
         .with("box-bits", &["13", "8"])?
         .with("tag", &["0", "3"])?;
     choices.extend(presets_and_pairs(&space).into_iter().map(TestedDatapath::from));
-    let segregated = [small, small.format(Format::BINARY16)].map(|config| config.sharing(Sharing::Segregated));
-    choices.extend(segregated.map(TestedDatapath::from));
     let boxes = small.lanes(Lanes::None).format(Format::BINARY16);
     choices.extend(NAMES.iter().map(|name| TestedDatapath { added: vec![name.to_string()], ..boxes.into() }));
     Ok(choices)

@@ -3,7 +3,7 @@
 //!
 //! The bits of a stage are proved in the whole pipeline, whatever its inputs and the results of adders, multipliers and
 //! sums are; those of a unit in the unit alone, for any inputs but those that all its instances tie to a constant.
-//! Registers begin with 0, as they do in [`raypath_tools::Verilated::coverage`].
+//! Registers begin with 0, as they do where bits are counted.
 
 use raypath_hdl::Module;
 use raypath_tools::{Abc, CoverageKind, CoveragePoint, ToolError, Yosys, YosysKind, read, temporary_folder, write};
