@@ -41,7 +41,7 @@ use subjects::ProvedDatapath;
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let subjects = match request.is_chosen {
         true => subjects::of(request.config, &request.added),
-        false => subjects::chosen(request.level),
+        false => subjects::chosen(request.level)?,
     };
     let faults = FAULTS.iter().map(|fault| (ProvedDatapath::default(), Some(*fault)));
     let work: Vec<Work> = faults.chain(subjects.into_iter().map(|subject| (subject, None))).collect();
