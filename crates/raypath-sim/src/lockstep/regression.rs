@@ -148,7 +148,8 @@ impl RegressionChecks {
             })?;
             left += usize::from(shown.output.is_some() && output_ready);
         }
-        expect(resets > 3 && left > 100, || format!("{resets} resets, {left} jobs"))
+        let rounds = left * self.config.microarchitecture.interval.cycles() as usize;
+        expect(resets > 3 && rounds > 100, || format!("{resets} resets, {left} jobs"))
     }
 
     /// Latency 12 if units take one step and stages one round; 10 with sums that round once, unless an operation computes
