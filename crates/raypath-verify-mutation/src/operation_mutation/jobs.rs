@@ -115,7 +115,8 @@ impl Source<'_> {
         let first = self.decision(&from);
         // The numbers of replaced words, with the decision of `from` and with another one.
         let (mut low, mut high) = (0, places.len());
-        if self.decision(&to) == first {
+        // The same job can be decided differently, because it finds another state.
+        if self.decision(&to) == first || places.is_empty() {
             return None;
         }
         while high - low > 1 {
