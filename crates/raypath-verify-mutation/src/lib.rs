@@ -19,7 +19,7 @@ pub const ITEMS: &[Item] = &[
     },
     Item {
         name: "operation-mutation",
-        claim: "an oracle that does not come from the operations' source finds at least 98.5 % of the faults in their \
+        claim: "an oracle that does not come from the operations' source finds at least 98 % of the faults in their \
             dataflow that are not proven equivalent, the lower end of a 95 % confidence interval, so that a fault that \
             netlist and models share does not stay hidden",
         oracle: "docs/reference, in exact arithmetic with one rounding for each operation; equivalence by an SMT \

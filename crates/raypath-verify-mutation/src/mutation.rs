@@ -14,9 +14,6 @@ use raypath_work::pool::{self, Shard};
 use std::sync::Arc;
 use trial::Trial;
 
-/// The part of the faults that the tests must kill.
-const CLAIM: f64 = 0.98;
-
 /// The file with the result of each mutant.
 const LIST: &str = "build/verify/mutants.txt";
 
@@ -33,7 +30,7 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     };
     let subjects = subjects(&configs)?;
     let mutants = choose(&subjects, count * configs.len() / CONFIGS.len(), request.seed);
-    check_all(&subjects, &mutants, request, shard, &|trial| trial.run())?.verdict(request, LIST, CLAIM)
+    check_all(&subjects, &mutants, request, shard, &|trial| trial.run())?.verdict(request, LIST)
 }
 
 type Check<'a> = &'a (dyn Fn(&Trial<'_>) -> Result<Fate, Error> + Sync);

@@ -24,9 +24,6 @@ use raypath_work::pool;
 use std::sync::atomic::AtomicBool;
 use subjects::{FaultyOperation, OracleOf, Planned, plan};
 
-/// The part of the faults that the oracle must find.
-const CLAIM: f64 = 0.985;
-
 /// The file with the fate of each fault.
 const LIST: &str = "build/verify/operation-mutants.txt";
 
@@ -64,7 +61,7 @@ fn check_all(request: &mut Request<'_>, oracle: OracleOf<'_>) -> Result<Verdict,
     })?;
     let (judged, refused): (Vec<_>, Vec<_>) = shards.into_iter().flatten().unzip();
     let population = (population, format!("{} operations", planned.len()));
-    let mut verdict = Report { judged: judged.concat(), population, is_stopped }.verdict(request, LIST, CLAIM)?;
+    let mut verdict = Report { judged: judged.concat(), population, is_stopped }.verdict(request, LIST)?;
     verdict.failures.extend(refused.into_iter().flatten());
     Ok(verdict)
 }
