@@ -79,8 +79,8 @@ pub struct Arguments {
         conflicts_with_all = ["rays", "hits", "shadows", "ao", "samples", "heatmap", "two_sided", "through", "camera_rays"]
     )]
     draw: Option<PathBuf>,
-    /// Rays in flight in the simulation; the rays of a pixel follow one another [default: 256; with --through unit as
-    /// many as its contexts hold]
+    /// Rays in flight in the simulation; the rays of a pixel follow one another [default: 256; with --through unit twice
+    /// its contexts]
     #[arg(long, conflicts_with = "no_timing", value_parser = whole(1..=1usize << 20), value_name = "R")]
     rays_in_flight: Option<usize>,
     /// Simulate N evenly spaced pixels, or rays of --rays
