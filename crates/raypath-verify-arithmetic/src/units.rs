@@ -2,7 +2,6 @@
 //! that they compute IEEE 754's operations.
 
 pub mod bench;
-mod campaign;
 pub mod operands;
 pub mod proofs;
 mod softfloat;

@@ -2,10 +2,10 @@
 
 mod conversions;
 mod division;
+mod linters;
 mod narrow;
 mod short;
 mod sums;
-mod verilator;
 
 use raypath_hdl::{Error, Module};
 use raypath_verify_arithmetic::units::bench::Simulated;

@@ -109,13 +109,19 @@ impl CoverageModel {
                 }
             }
         }
-        points.extend((0..=self.shape.capacity()).map(|inside| format!("reset with {inside} inside")));
+        points.extend((0..=self.shape.capacity()).map(|inside| self.reset(inside)));
         for (source, sink, fill) in cycles() {
             if self.is_reachable(source, sink, fill) {
                 points.insert(cycle(source, sink, fill));
             }
         }
         points
+    }
+
+    /// A reset with so many jobs inside, in sixteenths of the capacity: a single number is rare in a deep pipeline.
+    fn reset(&self, inside: usize) -> String {
+        let capacity = self.shape.capacity();
+        format!("reset with {} sixteenths inside", (16 * inside.min(capacity)).div_ceil(capacity))
     }
 
     fn decisions(&self, kind: OperationId) -> impl Iterator<Item = &'static Decision> + '_ {
@@ -200,8 +206,7 @@ impl<'t> Tracker<'t> {
             self.points.insert(format!("{}: withdrawn{after}", job.kind()));
         }
         if seen.cycle.resets {
-            let inside = seen.inside.min(self.coverage.shape.capacity());
-            self.points.insert(format!("reset with {inside} inside"));
+            self.points.insert(self.coverage.reset(seen.inside));
             let sums = std::mem::take(&mut self.sums).into_iter().filter(|(_, sum)| *sum != 0);
             self.lost.extend(sums.map(|(of, _)| of));
             self.entered = None;

@@ -329,26 +329,3 @@ impl DataflowProver {
         Ok(answers)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use raypath_rtl::Lanes;
-
-    /// Otherwise an operation for which one question is too hard would have no proof.
-    #[test]
-    fn outputs_are_compared_one_by_one_where_one_question_is_too_hard() {
-        let folder = temporary_folder().expect("a folder");
-        let (answers, found) = (Cache::new(folder.path()), DataflowProver::find(false).expect("Yosys and Z3"));
-        let prover = DataflowProver { whole_limit: Duration::ZERO, answers, ..found };
-        let tried = |fault: Option<TextFault>| {
-            let work = (ProvedDatapath::from(Config::DEFAULT.lanes(Lanes::None)), fault);
-            prover.proved(&work, &AtomicBool::new(false)).expect("a result")
-        };
-        let right = tried(None);
-        assert_eq!((right.problems, right.failures), (2, vec![]));
-        // A job that leaves early.
-        let failures = tried(Some(FAULTS[9])).failures;
-        assert!(failures.iter().any(|why| why.contains("output_valid_o after 11 cycles")), "{failures:?}");
-    }
-}

@@ -12,19 +12,23 @@ fn config(control: Control) -> Config {
     Config::DEFAULT.control(control).lanes(Lanes::Two).unit_latency(UnitLatency::Two)
 }
 
-/// The result of the problem whose name begins with `name`, of a design with or without a fault.
-fn result(config: Config, name: &str, fault: Option<TextFault>) -> Option<CheckResult> {
+/// The result of the problem whose name begins with `name`, of a design with a fault.
+fn result(config: Config, name: &str, fault: TextFault) -> Option<CheckResult> {
     let datapath = DatapathNetlist::new(config).expect("a datapath");
     let mut texts = ModuleTexts::new(datapath.top()).expect("text");
-    assert!(fault.is_none_or(|fault| texts.insert(fault)), "{fault:?}");
+    assert!(texts.insert(fault), "{fault:?}");
     let all = problems(&datapath, config, &texts).expect("the text of a pipeline");
     let problem = all.iter().find(|problem| problem.name.starts_with(name)).expect("a problem");
     ModelChecker::find().expect("pyosys").check(problem, &GO).expect("a verdict")
 }
 
+/// The item proves that these problems hold without the fault.
 #[test]
-fn faults_of_a_step_are_found() {
+fn faults_are_found() {
     let (skid, credit) = (config(Control::Skid), config(Control::Credit));
+    let one = credit.unit_latency(UnitLatency::One);
+    let folded = |control| Config::DEFAULT.control(control).lanes(Lanes::None).interval(Interval::Four);
+    let (folded_skid, folded_credit) = (folded(Control::Skid), folded(Control::Credit));
     for (config, problem, module, from, to) in [
         // A job that arrives without ready.
         (skid, "raypath_input: ", "raypath_skid", "valid_i & spare_empty_q", "valid_i"),
@@ -36,51 +40,21 @@ fn faults_of_a_step_are_found() {
         (skid, "raypath_stage_9_2: ", "raypath_stage_9_2", "= advance & (data_i.opcode", "= valid_i & (data_i.opcode"),
         // A credit too many.
         (credit, "raypath_credit: ", "raypath_credit", "available_q <= |count_d", "available_q <= 1'b1"),
-    ] {
-        let fault = TextFault { module, from, to };
-        assert_eq!(result(config, problem, None), Some(CheckResult::Holds), "{config}: {problem}");
-        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{config}: {problem}, {fault:?}");
-    }
-}
-
-#[test]
-fn faults_of_a_folded_pipeline_are_found() {
-    let folded = |control| Config::DEFAULT.control(control).lanes(Lanes::None).interval(Interval::Four);
-    let (skid, credit) = (folded(Control::Skid), folded(Control::Credit));
-    for (config, problem, module, from, to) in [
-        // A job that enters too early.
-        (credit, "raypath: raypath_order", "raypath_credit", "recent_q[1:0]", "2'b0"),
+        // A job that enters a folded pipeline too early.
+        (folded_credit, "raypath: raypath_order", "raypath_credit", "recent_q[1:0]", "2'b0"),
         // A job that moves on while the one before it waits.
-        (skid, "raypath_rounds: ", "raypath_rounds", "= ~(at_q[10] & ~free_10)", "= 1'b1"),
+        (folded_skid, "raypath_rounds: ", "raypath_rounds", "= ~(at_q[10] & ~free_10)", "= 1'b1"),
         // An opcode that is not loaded.
-        (skid, "raypath: raypath_order", "raypath_stage_2", "if (at_1_i)", "if (1'b0)"),
-    ] {
-        let fault = TextFault { module, from, to };
-        assert_eq!(result(config, problem, None), Some(CheckResult::Holds), "{config}: {problem}");
-        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{config}: {problem}, {fault:?}");
-    }
-}
-
-/// The item proves that these problems hold without the fault.
-#[test]
-fn faults_of_the_pipeline_are_found() {
-    let one = config(Control::Credit).unit_latency(UnitLatency::One);
-    for (config, problem, module, from, to) in [
+        (folded_skid, "raypath: raypath_order", "raypath_stage_2", "if (at_1_i)", "if (1'b0)"),
         // A job that overtakes those that wait at the exit.
         (one, "raypath_stage_11: raypath_order", "raypath_exit", "valid_i & (stored | ~leaves)", "valid_i & ~leaves"),
         // An output that changes while it is stalled.
         (one, "raypath: raypath_stall", "raypath_exit", "= leaves & (stored | valid_i)", "= stored | valid_i"),
         // A beat that reads before the one before has written.
-        (
-            config(Control::Skid),
-            "raypath: raypath_beats",
-            "raypath_stage_9_1",
-            "= angular_pending_q & is_angular",
-            "= 1'b0",
-        ),
+        (skid, "raypath: raypath_beats", "raypath_stage_9_1", "= angular_pending_q & is_angular", "= 1'b0"),
     ] {
         let fault = TextFault { module, from, to };
-        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{problem}, {fault:?}");
+        assert_eq!(result(config, problem, fault), Some(CheckResult::Fails), "{config}: {problem}, {fault:?}");
     }
 }
 

@@ -20,7 +20,7 @@ const LIST: &str = "build/verify/mutants.txt";
 /// Runs the checks of the regression tests on a sample of the faults of all modules. A shard has some of the faults; at
 /// level regression it has those of some of the configurations, because each takes time to elaborate.
 pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let count = request.jobs.unwrap_or(request.level.pick(120, 2400, 10_000)) as usize;
+    let count = request.jobs.unwrap_or(request.level.pick(120, 1600, 10_000)) as usize;
     let all = || (0..).zip(CONFIGS);
     let (configs, shard): (Vec<Config>, Shard) = match request.level {
         Level::Regression => {

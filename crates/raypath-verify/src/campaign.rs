@@ -168,8 +168,8 @@ impl Tally {
     }
 
     /// The verdict, with the first few failures and the number of the others. The negative controls are the faulty
-    /// implementations `faulty`, whose findings were counted by their names: `label` begins the remark of the counts.
-    /// After enough cases, a faulty implementation without a finding is a failure.
+    /// implementations `faulty`, if any, whose findings were counted by their names: `label` begins the remark of the
+    /// counts. After enough cases, a faulty implementation without a finding is a failure.
     pub fn verdict<const N: usize>(
         self,
         is_stopped: bool,
@@ -178,7 +178,9 @@ impl Tally {
         (label, faulty, is_enough): (&str, [&'static str; N], bool),
     ) -> Verdict {
         let found = faulty.map(|name| (name, self.count(name)));
-        remarks.push(format!("{label}: {}", found.map(|(name, count)| format!("{name} {count}")).join(", ")));
+        if N > 0 {
+            remarks.push(format!("{label}: {}", found.map(|(name, count)| format!("{name} {count}")).join(", ")));
+        }
         let mut failures: Vec<String> = self.shown.into_iter().map(|(_, failure)| failure).collect();
         let more = self.failures - failures.len() as u64;
         failures.extend((more > 0).then(|| format!("and {more} more")));

@@ -147,12 +147,14 @@ pub struct Arithmetic {
 }
 
 impl Arithmetic {
+    /// The arithmetic of this format, without a mistake.
     pub fn new(format: Format) -> Self {
         let bias = (1 << (format.exponent() - 1)) - 1;
         let significand = format.significand() as i32;
         Self { format, exponents: (1 - bias, bias), significand, raised: Cell::new(0), mistake: None }
     }
 
+    /// Whether it makes this mistake.
     pub fn makes(&self, mistake: Mistake) -> bool {
         self.mistake == Some(mistake)
     }

@@ -1,14 +1,11 @@
 //! binary32 against Berkeley SoftFloat, on the cases of Berkeley TestFloat.
 
 use super::bench::{Bench, UnitResults, Units};
-use super::campaign::Campaign;
 use super::operands;
 use super::testfloat::{BLOCK, Level, Pairs};
-use rand::SeedableRng;
-use rand::rngs::ChaCha8Rng;
 use raypath_tools::grouped;
+use raypath_verify::campaign::Campaign;
 use raypath_verify::{Error, Request, Verdict};
-use raypath_work::pool::Cases;
 use softfloat_rs::{f32_add, f32_div, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sqrt, f32_sub, float32_t};
 
 /// Compares sums, differences, products, quotients, roots and comparisons of TestFloat's cases and of operands that are
@@ -16,38 +13,38 @@ use softfloat_rs::{f32_add, f32_div, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul
 /// TestFloat's level 1 run; of level 2 every fifth, at level `full` all, and at `long` all a hundred times, each time
 /// with other random numbers.
 pub fn testfloat(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
+    const OF_TESTFLOAT: &str = "of TestFloat";
+    const HARD: &str = "hard";
     let seed = request.seed;
     let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));
     let second = (0..rounds).map(|round| Pairs::new(Level::Two, seed, round).every(stride));
     let lists: Vec<Pairs> = [Pairs::new(Level::One, seed, 0)].into_iter().chain(second).collect();
-    let hard = request.cases(request.level.pick(60, 600, 6000) * BLOCK, BLOCK);
-    let phases: Vec<Cases> = lists.iter().map(|pairs| request.cases(pairs.count(), BLOCK)).collect();
-    let mut campaign = Campaign::new(request, &[phases.as_slice(), &[hard]].concat());
+    let blocks: Vec<(&Pairs, u64)> =
+        lists.iter().flat_map(|pairs| (0..pairs.count().div_ceil(BLOCK)).map(move |block| (pairs, block))).collect();
+    let hard = request.level.pick(60, 600, 6000);
+    let campaign = Campaign { block: 1, ..Campaign::new(5, blocks.len() as u64 + hard) };
     let begin = || Ok(Bench::new(units)?);
-    for (pairs, phase) in lists.iter().zip(phases) {
-        campaign.run(phase, begin, |bench, cases| {
-            pairs.block(cases.start / BLOCK).flat_map(|(a, b)| mismatches(bench, a, b)).collect()
-        })?;
-    }
-    let of_testfloat = campaign.done();
-    campaign.run(hard, begin, |bench, cases| {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(1 << 40 | cases.start);
-        let families = [operands::for_sums, operands::for_products, operands::for_comparisons];
-        cases
-            .flat_map(|case| {
-                let (a, b) = families[case as usize % families.len()](&mut random);
-                mismatches(bench, a, b)
-            })
-            .collect()
+    let (tally, is_stopped) = campaign.run(request, begin, |bench, number, random, tally| {
+        let mut check = |name, (a, b)| {
+            tally.add(name, 1_u64);
+            mismatches(bench, a, b).into_iter().for_each(|mismatch| tally.fail(|| mismatch));
+        };
+        match blocks.get(number as usize) {
+            Some((pairs, block)) => pairs.block(*block).for_each(|pair| check(OF_TESTFLOAT, pair)),
+            None => {
+                let families = [operands::for_sums, operands::for_products, operands::for_comparisons];
+                families.iter().cycle().take(BLOCK as usize).for_each(|family| check(HARD, family(random)));
+            }
+        }
+        Ok(())
     })?;
     let covered = format!(
         "{} cases of TestFloat and {} hard ones, each of addition, subtraction, multiplication, division, square root \
          and comparison",
-        grouped(of_testfloat),
-        grouped(campaign.done() - of_testfloat),
+        grouped(tally.count(OF_TESTFLOAT)),
+        grouped(tally.count(HARD)),
     );
-    Ok(campaign.verdict(covered))
+    Ok(tally.verdict(is_stopped, covered, Vec::new(), ("", [], false)))
 }
 
 fn mismatches(bench: &mut Bench, a: u32, b: u32) -> Vec<String> {

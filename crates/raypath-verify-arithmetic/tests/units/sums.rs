@@ -1,81 +1,19 @@
-//! Sums that round once, against integers: the units whole and in parts, and the software of the models.
-//!
-//! The oracle is written from the text of `docs/reference/semantics.md`. A number is an integer in units of the last
-//! place of subnormal numbers.
+//! Sums that round once: the units whole and in parts, and the software of the models, against exact arithmetic.
 
 use crate::units::converter;
-use num_bigint::{BigInt, BigUint, Sign};
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use raypath_float::{Format, sum_parts};
 use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{Binary32, Circuit, Single};
+use raypath_oracle::exact::Arithmetic;
 use raypath_verify_arithmetic::units::bench::{Simulated, chain};
-use std::cmp::Ordering;
 
 /// The code of a sum.
 fn expected(format: Format, terms: &[u64]) -> u64 {
-    let fraction = format.significand() - 1;
-    let sign = 1_u64 << (format.exponent() + fraction);
-    let is_negative = |term: u64| term & sign != 0;
-    let magnitude = |term: u64| term & (sign - 1);
-    let has = |wanted: u64| terms.contains(&wanted);
-    if terms.iter().any(|&term| magnitude(term) > format.infinity())
-        || has(format.infinity()) && has(format.infinity() | sign)
-    {
-        return format.nan();
-    }
-    if let Some(&infinite) = terms.iter().find(|&&term| magnitude(term) == format.infinity()) {
-        return infinite;
-    }
-    if terms.iter().all(|&term| magnitude(term) == 0) {
-        return if terms.iter().all(|&term| is_negative(term)) { sign } else { 0 };
-    }
-    let value = |term: u64| match (magnitude(term) >> fraction, magnitude(term) & ((1 << fraction) - 1)) {
-        (0, digits) => BigUint::from(digits),
-        (exponent, digits) => BigUint::from(digits | 1 << fraction) << (exponent - 1),
-    };
-    let greatest = terms.iter().map(|&term| value(term).bits()).max().expect("terms");
-    let mut window = u64::from(format.significand());
-    while 1_usize << (window - u64::from(format.significand())) < terms.len() {
-        window += 1;
-    }
-    let lost = greatest.saturating_sub(window);
-    let total: BigInt = terms
-        .iter()
-        .map(|&term| {
-            let kept = BigInt::from(value(term) >> lost << lost);
-            if is_negative(term) { -kept } else { kept }
-        })
-        .sum();
-    if total.sign() == Sign::NoSign {
-        return 0;
-    }
-    nearest(format, total.magnitude()) | if total.sign() == Sign::Minus { sign } else { 0 }
-}
-
-/// The code nearest to an integer, ties to even.
-fn nearest(format: Format, total: &BigUint) -> u64 {
-    let digits = u64::from(format.significand());
-    let lost = total.bits().saturating_sub(digits);
-    let mut kept = total >> lost;
-    let rest = total - (&kept << lost);
-    let up = match (rest * 2_u32).cmp(&(BigUint::from(1_u32) << lost)) {
-        Ordering::Less => false,
-        Ordering::Equal => lost > 0 && kept.bit(0),
-        Ordering::Greater => true,
-    };
-    kept += u32::from(up);
-    let value = kept << lost;
-    if value.bits() < digits {
-        return u64::try_from(&value).expect("a subnormal number");
-    }
-    // The number of units in its last place is a power of two; a number with the hidden bit as the last has field 1.
-    let exponent = value.bits() - digits + 1;
-    let significand = u64::try_from(&(value >> (exponent - 1))).expect("a significand");
-    let code = exponent << (digits - 1) | significand & ((1 << (digits - 1)) - 1);
-    code.min(format.infinity())
+    let exact = Arithmetic::new(format);
+    exact.code(exact.sum(&terms.iter().map(|&term| exact.number(term)).collect::<Vec<_>>()))
 }
 
 /// The unit whole, and joined from two and from three parts; and the software.

@@ -15,14 +15,7 @@ pub const STREAMS: usize = 64;
 /// Jobs of an operation: those of the campaigns, and those of the regression tests, whose
 /// ports are drawn one by one. Many have numbers that show particular faults, or are next to a decision.
 pub fn jobs(model: &WordModel, kind: OperationId, steps: usize, seed: u64) -> Jobs {
-    let mut source = Source {
-        kind,
-        inputs: model.inputs(kind),
-        stimuli: Stimuli::new(model, seed),
-        rng: ChaCha8Rng::seed_from_u64(seed),
-        decider: model.clone(),
-        waiting: Vec::new(),
-    };
+    let mut source = Source::new(model, kind, seed);
     let mut step = || (0..STREAMS).map(|_| model.job_of_words(kind, &source.next(model)).as_words().to_vec()).collect();
     Jobs { ports: model.inputs(kind).to_vec(), steps: (0..steps).map(|_| step()).collect() }
 }
@@ -37,7 +30,18 @@ struct Source<'m> {
     waiting: Vec<Vec<u64>>,
 }
 
-impl Source<'_> {
+impl<'m> Source<'m> {
+    fn new(model: &'m WordModel, kind: OperationId, seed: u64) -> Self {
+        Self {
+            kind,
+            inputs: model.inputs(kind),
+            stimuli: Stimuli::new(model, seed),
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            decider: model.clone(),
+            waiting: Vec::new(),
+        }
+    }
+
     fn next(&mut self, model: &WordModel) -> Vec<u64> {
         if let Some(waiting) = self.waiting.pop() {
             return waiting;
@@ -115,8 +119,7 @@ impl Source<'_> {
         let first = self.decision(&from);
         // The numbers of replaced words, with the decision of `from` and with another one.
         let (mut low, mut high) = (0, places.len());
-        // The same job can be decided differently, because it finds another state.
-        if self.decision(&to) == first || places.is_empty() {
+        if self.decision(&to) == first {
             return None;
         }
         while high - low > 1 {
@@ -137,8 +140,9 @@ impl Source<'_> {
         Some([before, after])
     }
 
-    /// The words of the outcome that are no numbers.
+    /// The words of the outcome that are no numbers. A job that finds another state can be decided differently.
     fn decision(&mut self, words: &[u64]) -> Vec<u64> {
+        self.decider.reset();
         let outcome = self.decider.run(&self.decider.job_of_words(self.kind, words));
         let ports = self.decider.outputs(self.kind).iter();
         ports.zip(outcome.as_words()).filter(|(port, _)| port.kind != PortKind::Number).map(|(_, &word)| word).collect()
@@ -157,4 +161,27 @@ fn position(word: u64) -> i64 {
 
 fn number(position: i64) -> u64 {
     if position < 0 { 0x8000_0000 | (-1 - position) as u64 } else { position as u64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raypath_rtl::{Config, Lanes};
+    use raypath_verify_datapath::datapaths::TestedDatapath;
+
+    /// The sum of the second overflows, if it is added to the first.
+    #[test]
+    fn equal_jobs_are_decided_alike() {
+        let config = Config::DEFAULT.lanes(Lanes::Two).exception_flags(true);
+        let model = TestedDatapath::from(config).datapath().model();
+        let kind = model.kinds().into_iter().find(|kind| kind.name() == "euclidean").expect("Euclidean distance");
+        let word =
+            |port: &Port| if port.kind == PortKind::Number { (1.5 * 2_f32.powi(63)).to_bits().into() } else { 0 };
+        let mut job: Vec<u64> = model.inputs(kind).iter().map(word).collect();
+        job[0] = 0;
+        job[model.inputs(kind).iter().position(|port| port.name.contains("mask")).expect("a mask")] = 1;
+        let mut source = Source::new(&model, kind, 1);
+        assert_eq!(source.decision(&job), source.decision(&job));
+        assert_eq!(source.next_to_decision(job.clone(), job), None);
+    }
 }
