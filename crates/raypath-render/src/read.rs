@@ -38,9 +38,9 @@ pub struct ReadError {
 }
 
 /// The bytes that a triangle takes at most, with its part of the tree and of what the tree is built from.
-const TRIANGLE_BYTES: u64 = 512;
+const TRIANGLE_BYTES: u128 = 512;
 /// The bytes of a vertex, with its place among those that are merged.
-const VERTEX_BYTES: u64 = 40;
+const VERTEX_BYTES: u128 = 40;
 
 /// Reads a mesh from a file. The extension determines the format.
 ///
@@ -137,8 +137,8 @@ impl RawMesh {
     fn check(&self, vertices: usize, triangles: usize) -> Result<(), String> {
         let vertices = (self.positions.len() as u64).saturating_add(vertices as u64);
         let triangles = (self.triangles.len() as u64).saturating_add(triangles as u64);
-        self.limit.check(vertices, "vertices", VERTEX_BYTES)?;
-        self.limit.check(triangles, "triangles", TRIANGLE_BYTES)
+        let bytes = u128::from(vertices) * VERTEX_BYTES + u128::from(triangles) * TRIANGLE_BYTES;
+        self.limit.check_bytes(format_args!("{vertices} vertices and {triangles} triangles"), bytes)
     }
 
     /// Adds the triangles of a polygon, as a fan from its first corner.

@@ -6,6 +6,7 @@ mod instances;
 mod peer;
 mod pictures;
 mod quantised;
+mod ray_files;
 mod readers;
 mod timing;
 mod tree;

@@ -54,6 +54,25 @@ pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), FileError
     Ok(())
 }
 
+/// Writes a design into a folder as [`write_all`] does. Then removes the files that a list of sources (`*.f`), which this
+/// call replaces, named before, and that are not written now: those of another configuration.
+///
+/// # Errors
+/// As of [`write_all`]; a file that cannot be removed.
+pub fn write_design(folder: &Path, files: &[(PathBuf, String)]) -> Result<(), FileError> {
+    let lists = files.iter().map(|(path, _)| path).filter(|path| path.extension().is_some_and(|is| is == "f"));
+    let listed: Vec<String> = lists.filter_map(|list| fs::read_to_string(list).ok()).collect();
+    write_all(files)?;
+    let is_module = |line: &&str| line.strip_prefix("rtl/").is_some_and(|name| !name.contains('/'));
+    for path in listed.iter().flat_map(|list| list.lines()).filter(is_module) {
+        let path = folder.join(path);
+        if path.is_file() && files.iter().all(|(new, _)| *new != path) {
+            fs::remove_file(&path).map_err(|problem| failed(&path, "remove the file of another design", problem))?;
+        }
+    }
+    Ok(())
+}
+
 fn partly(problem: &Error, done: usize, total: usize) -> Error {
     Error::new(problem.kind(), format!("{problem}; {done} of {total} files are written, expected all"))
 }
@@ -127,6 +146,20 @@ mod tests {
         assert_eq!(write_all(&files).expect_err("no folder").path, old);
         assert_eq!(fs::read_to_string(&old).expect("the file"), "old");
         assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1);
+    }
+
+    #[test]
+    fn another_design_replaces_the_files_of_the_first() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let write = |module: &str| {
+            let files = [("a.f", format!("rtl/{module}.sv\n")), (&format!("rtl/{module}.sv"), String::new())];
+            write_design(folder.path(), &files.map(|(path, text)| (at(path), text))).expect("a design");
+        };
+        fs::create_dir(at("rtl")).expect("a folder");
+        fs::write(at("rtl/own.sv"), "").expect("a file of the user");
+        ["old", "new", "new"].into_iter().for_each(write);
+        assert_eq!(["old", "new", "own"].map(|name| at(&format!("rtl/{name}.sv")).exists()), [false, true, true]);
     }
 
     #[test]

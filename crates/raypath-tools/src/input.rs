@@ -29,13 +29,20 @@ impl MemoryLimit {
     /// # Errors
     /// They take more than the limit.
     pub fn check(self, count: u64, what: impl Display, each: u64) -> std::result::Result<(), String> {
-        match count.checked_mul(each) {
-            Some(bytes) if bytes <= self.0 => Ok(()),
-            _ => Err(format!(
-                "{count} {what} take {} bytes of memory, expected at most {self} (a greater --max-memory allows more)",
-                u128::from(count) * u128::from(each)
-            )),
+        self.check_bytes(format_args!("{count} {what}"), u128::from(count) * u128::from(each))
+    }
+
+    /// Checks that `what` takes no more bytes than the limit.
+    ///
+    /// # Errors
+    /// It takes more.
+    pub fn check_bytes(self, what: impl Display, bytes: u128) -> std::result::Result<(), String> {
+        if bytes <= self.0.into() {
+            return Ok(());
         }
+        Err(format!(
+            "{what} take {bytes} bytes of memory, expected at most {self} (a greater --max-memory allows more)"
+        ))
     }
 
     /// Reads a file whose bytes are within the limit.

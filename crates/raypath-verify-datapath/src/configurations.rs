@@ -30,9 +30,10 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     };
     let campaign = Campaign::of_episodes(STREAM, configs.len() as u64);
     let (tally, is_stopped) = campaign.run(request, || Ok(()), |(), number, _, tally| case(number, tally))?;
+    let remark = (!request.added.is_empty()).then(|| "added operations are not checked by this item".to_string());
     Ok(Verdict {
         covered: format!("{} configurations, {jobs} jobs each", tally.count("configurations")),
-        remarks: Vec::new(),
+        remarks: remark.into_iter().collect(),
         failures: tally.first_failure().map(|(_, what)| what.to_string()).into_iter().collect(),
         is_stopped,
     })

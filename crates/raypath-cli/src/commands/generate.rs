@@ -12,7 +12,7 @@ use raypath_rtl::package::Prefix;
 use raypath_rtl::report::tables;
 use raypath_rtl::{DatapathNetlist, package};
 use raypath_sim::OperationId;
-use raypath_sim::files::{in_folder, write_all};
+use raypath_sim::files::{in_folder, write_design};
 use raypath_sim::lockstep::{Comparison, Timing, lockstep, timing};
 use raypath_sim::traffic::Traffic;
 use std::io::Write;
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let prefix = &arguments.prefix;
     let mut files = in_folder(&arguments.out, prefix.rename(package::design(&datapath, config, &name)?));
     files.extend(checks.files(&arguments.out));
-    write_all(&files)?;
+    write_design(&arguments.out, &files)?;
 
     writeln!(out, "raypath {VERSION}: {name}\n")?;
     writeln!(out, "Schedule (Table VII)\n\n{}\n", tables::schedule(&datapath))?;

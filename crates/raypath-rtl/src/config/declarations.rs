@@ -25,7 +25,7 @@ declare_parameters! {
         /// Bits of the significands in box tests, hidden bit included; needs the rules `bounds`.
         box_bits ("box-bits"): BoxBits = BoxBits::DEFAULT,
         /// The number format; `eXsY` has X exponent bits (3 to 11) and Y significand bits, hidden bit included (3 to
-        /// 24).
+        /// 24, and at most 2^(X-2) + 3).
         format ("format"): Format = Format::BINARY32,
         /// How sums of several products are rounded: at every adder (the paper's), or once, which shortens the
         /// pipeline.

@@ -10,6 +10,7 @@ module raypath_ram_1r1w #(
   output logic [Width-1:0] read_data_o
 );
   (* anyconst *) logic [AddressWidth-1:0] slot;
+  always_comb assume (slot < Depth);
   (* anyseq *) logic [Width-1:0] other;
   logic [Width-1:0] word_q;
   always_ff @(posedge clk_i) begin

@@ -153,9 +153,10 @@ fn memory_is_limited() {
     let (square, rays) =
         (file(folder.path(), "square.obj", SQUARE), file(folder.path(), "rays.txt", "0 0 9 0 0 1 inf"));
     let out = text(&folder.path().join("out"));
-    let of_mesh = ["square.obj: ", "3 triangles take 1536 bytes of memory, expected at most 1535", "--max-memory"];
+    let of_mesh =
+        ["square.obj: ", "7 vertices and 3 triangles take 1816 bytes of memory, expected at most 1815", "--max-memory"];
     for command in ["render", "scene"] {
-        ends_with(&[command, &square, "--max-memory", "1535", "--out", &out], 2, &of_mesh);
+        ends_with(&[command, &square, "--max-memory", "1815", "--out", &out], 2, &of_mesh);
         ends_with(&[command, &square, "--max-memory", "2GB", "--out", &out], 2, &["'2GB'", "like 8GiB"]);
     }
     page::succeeds(&["scene", &square, "--max-memory", "2KiB", "--out", &out]);

@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
 use raypath_rtl::package::Prefix;
-use raypath_sim::files::{in_folder, write_all};
+use raypath_sim::files::{in_folder, write_design};
 use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
 use raypath_traversal::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
 use std::io::Write;
@@ -29,7 +29,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.datapath.config()?;
     let unit = UnitNetlist::new(config, arguments.unit_parameters.parameters())?;
     let prefix = &arguments.prefix;
-    write_all(&in_folder(&arguments.out, prefix.rename(unit.files()?)))?;
+    write_design(&arguments.out, &in_folder(&arguments.out, prefix.rename(unit.files()?)))?;
 
     writeln!(out, "raypath {VERSION}: {}\n", unit.description())?;
     writeln!(out, "Ports of {prefix}_unit\n\n{}\n", ports(&unit.top))?;
