@@ -4,7 +4,6 @@ use raypath_model::WordModel;
 use raypath_ops::{Binary32, Circuit, Narrowing, Single};
 use raypath_verify_datapath::datapaths::TestedDatapath;
 use raypath_verify_datapath::oracle::Mistake;
-use raypath_work::pool::Shard;
 
 fn right(tested: &TestedDatapath, model: &WordModel) -> Oracle {
     Oracle::new(tested.config.semantics, model)
@@ -19,16 +18,6 @@ fn only_an_oracle_with_a_mistake_refuses_a_job_without_a_fault() {
         assert_eq!(planned.subject(256, 1, &right).refused, None);
         assert!(planned.subject(256, 1, &wrong).refused.is_some(), "{}", planned.flow.graph.name);
     }
-}
-
-/// Without jobs nothing is killed, and the claim does not hold.
-#[test]
-fn without_jobs_nothing_is_killed() {
-    let mut watch = |_| true;
-    let shard: Shard = "7/70".parse().expect("a shard");
-    let mut request = Request { jobs: Some(0), shard, ..Request::new(&mut watch) };
-    let verdict = check_all(&mut request, &right).expect("a verdict");
-    assert!(verdict.failures[0].contains("0.00 % of the faults are killed"), "{verdict:?}");
 }
 
 /// A wrong proof would hide faults that oracles should find.

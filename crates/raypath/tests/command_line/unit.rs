@@ -186,7 +186,7 @@ fn instances_on_the_command_line() {
 /// the model's.
 #[test]
 fn the_rtl_draws_the_picture_of_the_model() {
-    const SIZE: &str = "12x9";
+    const SIZE: &str = "8x6";
     let folder = folder();
     let below = |name: &str| text(&folder.path().join(name));
     page::succeeds(&["generate", "--unit", "--rays", "50", "--out", &below("")]);
@@ -203,7 +203,7 @@ fn the_rtl_draws_the_picture_of_the_model() {
 
     let (traced, drawn) = (below("rtl-hits.txt"), below("rtl.png"));
     let said = page::succeeds(&["render", "--draw", &traced, "--size", SIZE, "--out", &drawn]);
-    assert!(said.contains("108 pixels, 32 with a hit"), "{said}");
+    assert!(said.contains("48 pixels, 12 with a hit"), "{said}");
     let bytes = |path: &str| std::fs::read(path).expect("a picture");
     assert!(bytes(&drawn) == bytes(&model), "the pictures differ");
 
