@@ -54,8 +54,8 @@ pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), FileError
     Ok(())
 }
 
-/// Writes a design into a folder as [`write_all`] does. Then removes the files that a list of sources (`*.f`), which this
-/// call replaces, named before, and that are not written now: those of another configuration.
+/// Writes a design into a folder as [`write_all`] does. Then removes the modules of another configuration: the files in
+/// `rtl` that a list of sources (`*.f`) named before this call replaced it, and that are not written now.
 ///
 /// # Errors
 /// As of [`write_all`]; a file that cannot be removed.
