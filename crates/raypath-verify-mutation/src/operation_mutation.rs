@@ -19,10 +19,9 @@ use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use raypath_tools::{SmtSolver, ToolError};
 use raypath_verify::{Error, Request, Verdict};
-use raypath_verify_datapath::oracle::Oracle;
 use raypath_work::pool;
 use std::sync::atomic::AtomicBool;
-use subjects::{FaultyOperation, OracleOf, Planned, plan};
+use subjects::{FaultyOperation, Planned, exact, plan};
 
 /// The file with the fate of each fault.
 const LIST: &str = "build/verify/operation-mutants.txt";
@@ -35,11 +34,6 @@ const QUESTIONS: usize = 8;
 /// # Errors
 /// Z3 is missing, or a file cannot be written.
 pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    check_all(request, &|tested, model| Oracle::new(tested.config.semantics, model))
-}
-
-/// [`run`] with these oracles.
-fn check_all(request: &mut Request<'_>, oracle: OracleOf<'_>) -> Result<Verdict, Error> {
     let (planned, shard, seed) = (plan(), request.shard, request.seed);
     let jobs = request.jobs.unwrap_or(request.level.pick(1024, 8192, 8192)) as usize;
     let population: usize = planned.iter().map(|planned| planned.faults.len()).sum();
@@ -49,7 +43,7 @@ fn check_all(request: &mut Request<'_>, oracle: OracleOf<'_>) -> Result<Verdict,
     let shards = request.parts.phase(|| {
         let z3 = SmtSolver::z3()?;
         let judged = pool::map::<_, _, Error>(&own, pool::ALL_CORES, request.proceed, |planned, stop| {
-            let subject = planned.subject(jobs, seed, oracle);
+            let subject = planned.subject(jobs, seed, &exact);
             let mut chosen: Vec<usize> = (0..planned.faults.len()).collect();
             chosen.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
             chosen.truncate((chosen.len() * sample).div_ceil(population));

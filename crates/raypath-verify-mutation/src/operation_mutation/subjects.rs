@@ -31,6 +31,11 @@ pub struct Planned {
 /// The oracle of a datapath, with a model that has its ports.
 pub type OracleOf<'a> = &'a (dyn Fn(&TestedDatapath, &WordModel) -> Oracle + Sync);
 
+/// The oracle without a mistake.
+pub fn exact(tested: &TestedDatapath, model: &WordModel) -> Oracle {
+    Oracle::new(tested.config.semantics, model)
+}
+
 /// Datapaths that together have all operations in binary32: all rules and both roundings, each number of lanes, all
 /// features, and the added operations.
 fn datapaths() -> Vec<TestedDatapath> {

@@ -5,17 +5,13 @@ use raypath_ops::{Binary32, Circuit, Narrowing, Single};
 use raypath_verify_datapath::datapaths::TestedDatapath;
 use raypath_verify_datapath::oracle::Mistake;
 
-fn right(tested: &TestedDatapath, model: &WordModel) -> Oracle {
-    Oracle::new(tested.config.semantics, model)
-}
-
 /// Otherwise the outcomes would not be compared, or a fault could be found by a wrong oracle. The item itself asks for
 /// every operation that the oracle without a mistake refuses nothing.
 #[test]
 fn only_an_oracle_with_a_mistake_refuses_a_job_without_a_fault() {
-    let wrong = |tested: &TestedDatapath, model: &WordModel| right(tested, model).with(Mistake::TiesAway);
+    let wrong = |tested: &TestedDatapath, model: &WordModel| exact(tested, model).with(Mistake::TiesAway);
     for planned in plan().iter().filter(|planned| planned.tested.options().is_empty()) {
-        assert_eq!(planned.subject(256, 1, &right).refused, None);
+        assert_eq!(planned.subject(256, 1, &exact).refused, None);
         assert!(planned.subject(256, 1, &wrong).refused.is_some(), "{}", planned.flow.graph.name);
     }
 }
@@ -28,7 +24,7 @@ fn faults_that_oracles_find_are_not_proven_equivalent() {
     let all = plan();
     let mut asked = 0;
     for planned in all.iter().filter(|planned| small.contains(&planned.flow.graph.name)).step_by(5) {
-        let (subject, flow) = (planned.subject(256, 1, &right), &planned.flow);
+        let (subject, flow) = (planned.subject(256, 1, &exact), &planned.flow);
         let is_killed = |fault: &usize| matches!(subject.judged(*fault).fate, Fate::Killed(_));
         let fault = (0..planned.faults.len()).rev().filter(is_killed).nth(20).expect("a fault");
         let faulty = planned.faults[fault].apply(flow);
