@@ -50,7 +50,7 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
 
 /// The number of jobs of a single datapath.
 fn jobs(request: &Request<'_>) -> u64 {
-    request.jobs.unwrap_or(request.level.pick(1_000_000, 5_000_000, 400_000_000))
+    request.jobs.unwrap_or(request.level.pick(1_000_000, 4_000_000, 400_000_000))
 }
 
 /// Runs the campaign on a module with the ports of the request's datapath and this pipeline shape. The module is

@@ -27,7 +27,7 @@ const ENOUGH: u64 = 32;
 /// # Errors
 /// A file cannot be written.
 pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
-    let jobs = request.jobs.unwrap_or(request.level.pick(4_000_000, 30_000_000, 1_000_000_000));
+    let jobs = request.jobs.unwrap_or(request.level.pick(4_000_000, 20_000_000, 1_000_000_000));
     let of_each = request.level.pick(JOBS_PER_STREAM, 40 * JOBS_PER_STREAM, 400 * JOBS_PER_STREAM);
     let others = if request.is_chosen { Vec::new() } else { datapaths::all() };
     let subjects: Vec<TestedDatapath> = [TestedDatapath::of(request)].into_iter().chain(others).collect();

@@ -14,7 +14,8 @@ use constants::{Bit, constants, places};
 use datapath::Design;
 use raypath_hdl::text::plain;
 use raypath_hdl::{Module, verilog, with_enables};
-use raypath_tools::{CoverageKind, CoveragePoint, Options, Sources, Verilated, temporary_folder};
+use raypath_tools::{CoverageKind, CoveragePoint, Options, Sources, Verilated, temporary_folder, versions};
+use raypath_verify::proofs::{cache, kept};
 use raypath_verify::{Error, Level, Request, Verdict, files};
 use raypath_work::pool;
 use reachable::Text;
@@ -82,12 +83,16 @@ fn bar(design: &str, kind: CoverageKind) -> f64 {
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (level, seed, shard) = (request.level, request.seed, request.shard);
     let choices = if request.is_chosen { vec![TestedDatapath::of(request)] } else { choices(level)? };
+    let versions = versions();
     let shards = request.parts.phase(|| {
         let own: Vec<(usize, &TestedDatapath)> = shard.of(choices.iter().enumerate()).collect();
         pool::map(&own, pool::ALL_CORES, request.proceed, |(number, choice), _| {
             // Whatever is left out costs runs.
             let has_controls = *number == 0 || level > Level::Full;
-            Ok::<_, Error>(Some(Found::of(choice, level.pick(1, 2, 16), seed, has_controls)?))
+            let (design, runs) = (Design::new(choice)?, level.pick(1, 2, 16));
+            let key = design.key(runs, seed, &format!("{choice} {has_controls} {BAR} {BELOW:?} {versions:?}"))?;
+            let compute = || Found::of(choice, &design, runs, seed, has_controls);
+            Ok::<_, Error>(Some(kept(&cache(), &key, |found: &Found| found.failures.is_empty(), compute)?))
         })
     })?;
     let mut verdict = Verdict::default();
@@ -157,9 +162,8 @@ struct Found {
 
 impl Found {
     /// The coverage of so many runs of a design, and the runs that leave something out if it has controls.
-    fn of(subject: &TestedDatapath, runs: u64, seed: u64, has_controls: bool) -> Result<Self, Error> {
-        let design = Design::new(subject)?;
-        let mut covered = Covered::new(&design)?;
+    fn of(subject: &TestedDatapath, design: &Design, runs: u64, seed: u64, has_controls: bool) -> Result<Self, Error> {
+        let mut covered = Covered::new(design)?;
         let mut failures = Vec::new();
         let points = covered.points(0..runs, seed, None, &mut failures)?;
         let (top, text) = covered.for_proofs()?;

@@ -107,7 +107,7 @@ fn prove(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Err
 
 /// Runs the episodes of the level on all units of the campaign in turn.
 fn run_campaign(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Counts, Error> {
-    let total = request.jobs.unwrap_or(request.level.pick(60, 3_000, 60_000));
+    let total = request.jobs.unwrap_or(request.level.pick(60, 1_500, 60_000));
     let (seed, units) = (request.seed, campaign::units()?);
     let results: Vec<Result<Counts, String>> = run_all(request, verdict, total as usize, || {
         let mut engines = units.iter().map(NetlistEngine::new).collect::<Result<Vec<_>, _>>()?;

@@ -14,7 +14,7 @@ const ENOUGH: u64 = 40_000;
 
 /// Compares random rays and boxes that touch or nearly touch with exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let cases = request.jobs.unwrap_or(request.level.pick(100_000, 3_000_000, 50_000_000));
+    let cases = request.jobs.unwrap_or(request.level.pick(100_000, 1_500_000, 50_000_000));
     let (tally, is_stopped) = Campaign::new(4, cases).run_cases(request, run)?;
     Ok(verdict(tally, is_stopped))
 }

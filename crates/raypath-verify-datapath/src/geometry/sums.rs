@@ -16,7 +16,7 @@ const ENOUGH: u64 = 3_000;
 
 /// Compares sums over vectors of 1 to 64 beats, at every number of lanes, with exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let cases = request.jobs.unwrap_or(request.level.pick(20_000, 500_000, 20_000_000));
+    let cases = request.jobs.unwrap_or(request.level.pick(20_000, 250_000, 20_000_000));
     let checks = [check::<2, 1>, check::<4, 2>, check::<8, 4>, check::<16, 8>, check::<32, 16>, check::<64, 32>];
     let (tally, is_stopped) = Campaign::new(3, cases)
         .run_cases(request, |rng, tally| checks[rng.random_range(0..checks.len())](tally, rng))?;

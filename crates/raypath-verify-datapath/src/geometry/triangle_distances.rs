@@ -16,7 +16,7 @@ const ENOUGH: u64 = 5_000;
 /// Compares random rays and triangles with exact arithmetic, by the bounds of `docs/reference/error-bounds.md`.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (rules, rounding) = (request.config.semantics.rules_in_full(), request.config.semantics.rounding);
-    let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
+    let cases = request.jobs.unwrap_or(request.level.pick(300_000, 5_000_000, 300_000_000));
     let (tally, is_stopped) =
         Campaign::new(2, cases).run_cases(request, |rng, tally| run(tally, rules, rounding, rng))?;
     Ok(verdict(tally, is_stopped))

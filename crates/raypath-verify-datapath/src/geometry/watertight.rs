@@ -18,7 +18,7 @@ const DRAWS: u32 = 200;
 /// the datapath must hit one of them.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (rules, rounding) = (request.config.semantics.rules_in_full(), request.config.semantics.rounding);
-    let cases = request.jobs.unwrap_or(request.level.pick(1_000_000, 20_000_000, 1_000_000_000));
+    let cases = request.jobs.unwrap_or(request.level.pick(1_000_000, 10_000_000, 1_000_000_000));
     let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, rounding, ray, corners).triangle_hit.into();
     let (tally, is_stopped) = Campaign::new(1, cases).run_cases(request, |rng, tally| run(tally, rng, &is_hit))?;
     Ok(verdict(tally, is_stopped))

@@ -2,11 +2,12 @@
 
 use crate::campaign::Episode;
 use crate::datapaths::TestedDatapath;
-use raypath_hdl::Module;
+use raypath_hdl::{Module, verilog};
 use raypath_model::{OperationId, Shape, WordModel};
 use raypath_sim::engine::{PortEncoding, shape};
 use raypath_sim::frames::{Answers, Expected, Stimulus};
 use raypath_sim::traffic::Traffic;
+use raypath_tools::{Key, digest};
 use raypath_verify::Error;
 use std::sync::Arc;
 
@@ -60,6 +61,15 @@ impl Design {
     pub fn omissions(&self) -> Vec<String> {
         let operations = self.model.kinds();
         if operations.len() > 1 { operations.iter().map(|it| format!("jobs of {it}")).collect() } else { Vec::new() }
+    }
+
+    /// The name of a result: a digest of the emitted text, the stimuli of these runs, and all else that it depends on.
+    pub fn key(&self, runs: u64, seed: u64, others: &str) -> Result<Key, Error> {
+        let words = (0..runs).flat_map(|number| self.run(seed, number, None).0).flatten();
+        let stimuli = digest(&words.flat_map(u64::to_le_bytes).collect::<Vec<u8>>());
+        let sources = verilog::sources(&self.top, &[])?;
+        let texts = sources.iter().map(|source| source.text.as_str());
+        Ok(Key::new("text-coverage", &texts.chain([stimuli.as_str(), others]).collect::<Vec<_>>()))
     }
 
     /// Episodes of a campaign of this seed, one after another, without the jobs of one operation. Opcodes that are not
