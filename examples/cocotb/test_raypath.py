@@ -54,7 +54,6 @@ class Bench:
         dut.rst_ni.value = 1
         return self
 
-    # ANCHOR: cycle
     async def cycle(self, job, ready):
         """Offers a job or None; returns whether it was accepted, and the outcome at the output or None."""
         dut = self.dut
@@ -66,7 +65,6 @@ class Bench:
         await Timer(1, "ns")
         accepted = job is not None and bool(dut.input_ready_o.value)
         return accepted, self.outcome() if dut.output_valid_o.value else None
-    # ANCHOR_END: cycle
 
     def outcome(self):
         """The outcome at the output as distances, hits and indices, in the order of a transaction file."""

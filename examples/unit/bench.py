@@ -79,7 +79,6 @@ class SceneMemory(AxiRamRead):
         return beats
 
 
-# ANCHOR: driver
 class Unit:
     """Sends rays and receives hits. Signals are read at the rising edge of the clock and changed after it."""
 
@@ -133,4 +132,3 @@ class Unit:
         number, *hit = [getattr(self.dut, f"hit_{name}_o").value.integer for name in HIT_FIELDS]
         assert number not in self.hits, f"ray {number} ends twice"
         self.hits[number] = tuple(hit)
-# ANCHOR_END: driver

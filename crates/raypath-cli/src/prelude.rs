@@ -7,4 +7,5 @@ pub use raypath_ops::{
     Aabb, Binary32, Bit, Circuit, Flags, Num, Operation, Ray, Select, Slab, Triangle, Vec3, Word, bundle,
 };
 pub use raypath_oracle::OperationSpec;
+pub use raypath_rtl::Budget;
 pub use raypath_sim::Datapath;

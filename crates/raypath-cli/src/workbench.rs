@@ -146,7 +146,7 @@ pub fn run(spec: &AnyOperationSpec, arguments: &Arguments, out: &mut dyn Write) 
     } else {
         Datapath::paper(config)
     };
-    let datapath = base.without(spec.name()).with_any(spec.operation());
+    let datapath = base.with_any(spec.operation());
     let netlist = datapath.elaborate()?;
 
     writeln!(out, "{}: {}\n", spec.name(), in_words(spec, arguments, config))?;

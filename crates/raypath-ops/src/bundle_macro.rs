@@ -21,7 +21,7 @@ macro_rules! bundle {
     (
         $(#[$attribute:meta])*
         pub struct $name:ident<C $(, const $n:ident: $kind:ident)*> {
-            $($(#[$field_attribute:meta])* pub $field:ident: $type:ty,)*
+            $($(#[$field_attribute:meta])* pub $field:ident: $type:ty),* $(,)?
         }
         $($others:tt)*
     ) => {

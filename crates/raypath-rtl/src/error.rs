@@ -100,6 +100,17 @@ pub enum Error {
         /// The value.
         value: String,
     },
+    /// An input, an output or a state that is a bare number, bit or word.
+    #[error(
+        "operation {operation}: its {part} is a bare value, expected a structure that `bundle!` declares, because the \
+         names of its fields are those of ports and registers"
+    )]
+    Unnamed {
+        /// The operation.
+        operation: &'static str,
+        /// "input", "output" or "state".
+        part: &'static str,
+    },
     /// An opcode that is in use or too large.
     #[error(
         "operation {operation}: opcode {opcode} {}",
@@ -113,13 +124,13 @@ pub enum Error {
         /// The operation that uses it.
         taken: Option<&'static str>,
     },
-    /// A name that another operation has, or that is not an identifier.
+    /// A name that another operation has, or that is not in snake_case.
     #[error(
         "operation {operation}: its name {}",
         if *.is_taken {
             "is taken by another operation"
         } else {
-            "is not an identifier, expected letters, digits and _, in snake_case"
+            "is not in snake_case, expected small letters, digits and _, the first a letter"
         }
     )]
     Name {

@@ -93,10 +93,16 @@ impl Operations {
     /// A stage out of range; a value that is read before the stage that computes it; state that is not read in the
     /// stage that writes it; stages marked in an operation with [`auto`](raypath_ops::Circuit::auto), or a chain of
     /// units that is longer than the pipeline; an opcode or a name that is taken; an opcode too large; a name that is
-    /// not an identifier; a port that another operation has with another type, or that the operation has twice.
+    /// not in snake_case; an input, output or state without names; a port that another operation has with another type,
+    /// or that the operation has twice.
     pub fn with<O: Operation>(mut self, operation: &O, opcode: u64) -> Result<Self, Error> {
         let inputs = present(ports_of::<O::Input<Binary32>>(), &|port| operation.has_input(port));
         let outputs = present(ports_of::<O::Output<Binary32>>(), &|port| operation.has_output(port));
+        for (part, ports) in [("input", &inputs), ("output", &outputs), ("state", &ports_of::<O::State<Binary32>>())] {
+            if ports.iter().any(|port| port.name.is_empty()) {
+                return Err(Error::Unnamed { operation: O::NAME, part });
+            }
+        }
         self.reserve(O::NAME, opcode, inputs, outputs)?;
         self.graphs.push(record(operation, opcode, self.marks)?);
         Ok(self)
@@ -240,5 +246,6 @@ impl OperationVisitor for Operations {
 
 /// Whether a name can be part of labels, states and ports.
 fn is_identifier(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    let is_part = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(is_part)
 }

@@ -85,7 +85,7 @@ fn flip_flops(operation: &impl Operation) -> u64 {
     DatapathNetlist::of(operations).expect("a datapath").top().register_bits()
 }
 
-operation!(Mixed, |c, i| {
+operation!(Mixed = "mixed", |c, i| {
     c.stage(2, "a + b, compared with a");
     let sum = i.a + i.b;
     let order = i.a.compare(i.b);
@@ -104,7 +104,7 @@ fn values_arrive_wherever_they_are_read() {
     assert_eq!((found[3].0.to_bits(), found[3].1, found[3].2), (0x7fc0_0000, false, 1));
 }
 
-operation!(Straight, |_c, i| Output { number: i.a, is_so: i.flag, code: i.word });
+operation!(Straight = "straight", |_c, i| Output { number: i.a, is_so: i.flag, code: i.word });
 
 #[test]
 fn inputs_may_be_outputs() {
@@ -115,14 +115,14 @@ fn inputs_may_be_outputs() {
     assert_eq!(found.iter().map(|f| (f.1, f.2)).collect::<Vec<_>>(), jobs.map(|j| (j.2, j.3)));
 }
 
-operation!(Constants, |c, i| {
+operation!(Constants = "constants", |c, i| {
     c.stage(3, "a test of a constant, read late");
     let is_so = c.infinity().is_above_zero();
     c.stage(9, "chosen by the flag");
     Output { number: i.flag.select(c.infinity(), c.zero()), is_so, code: c.word(5) }
 });
 
-operation!(ConstantBit, |c, i| {
+operation!(ConstantBit = "constant_bit", |c, i| {
     c.stage(9, "the same, with no test");
     Output { number: i.flag.select(c.infinity(), c.zero()), is_so: c.bit(true), code: c.word(5) }
 });
@@ -135,7 +135,7 @@ fn constants_cost_no_registers() {
     assert_eq!(flip_flops(&Constants), flip_flops(&ConstantBit));
 }
 
-operation!(Scaled, |c, i| {
+operation!(Scaled = "scaled", |c, i| {
     c.stage(2, "the word's value times a");
     let value = i.word.number();
     let product = value * i.a;
@@ -153,9 +153,17 @@ fn words_may_be_numbers() {
     assert!(found[0].0.is_sign_negative(), "0 times a negative number");
 }
 
+bundle! {
+    /// A word that narrow formats do not have.
+    pub struct NineBits<C> {
+        /// The word.
+        pub word: Word<C, 9>,
+    }
+}
+
 #[test]
 fn words_that_the_format_does_not_have_are_refused() {
-    operation!(Wide, |c, i| {
+    operation!(Wide = "wide", |c, i| {
         c.stage(2, "the word's value");
         Output { number: i.word.number() * i.a, is_so: i.flag, code: i.word }
     });
@@ -166,12 +174,12 @@ fn words_that_the_format_does_not_have_are_refused() {
     struct Nine;
     impl Operation for Nine {
         const NAME: &'static str = "nine";
-        type Input<C: Circuit> = Word<C, 9>;
-        type Output<C: Circuit> = Num<C>;
+        type Input<C: Circuit> = NineBits<C>;
+        type Output<C: Circuit> = One<C>;
         type State<C: Circuit> = ();
-        fn run<C: Circuit>(&self, c: C, word: Word<C, 9>, _: ()) -> (Num<C>, ()) {
+        fn run<C: Circuit>(&self, c: C, NineBits { word }: NineBits<C>, _: ()) -> (One<C>, ()) {
             c.stage(2, "the word's value");
-            (word.number(), ())
+            (One { num: word.number() }, ())
         }
     }
     let nine = || Operations::new().with(&Nine, 0).expect("an operation");
@@ -181,7 +189,7 @@ fn words_that_the_format_does_not_have_are_refused() {
 }
 
 // Keeps the largest number so far, and restarts if it was negative or the flag is set.
-operation!(Largest, |c, i, state| {
+operation!(Largest = "largest", |c, i, state| {
     c.stage(6, "the larger of a and what is kept");
     let was_negative = state.kept.sign_bit();
     let larger = i.a.compare(state.kept).greater();
@@ -198,7 +206,7 @@ fn state_may_be_compared_and_tested() {
 }
 
 // A sum; jobs with the flag add to the previous sum: a loop through an adder.
-operation!(Sum, |c, i, state| {
+operation!(Sum = "sum", |c, i, state| {
     c.stage(3, "a b");
     let product = i.a * i.b;
     c.stage(7, "accumulated");
@@ -223,7 +231,7 @@ fn state_may_go_through_an_adder_of_several_steps() {
 /// Operations share adders, multipliers and registers: a second operation adds multiplexers only.
 #[test]
 fn operations_share_units_and_registers() {
-    operation!(Double, |c, i| {
+    operation!(Double = "double", |c, i| {
         c.stage(2, "a - b");
         let difference = i.a - i.b;
         c.stage(5, "squared");
@@ -238,7 +246,7 @@ fn operations_share_units_and_registers() {
 
 #[test]
 fn what_does_not_fit_is_refused() {
-    operation!(TooEarly, |c, i| {
+    operation!(TooEarly = "too_early", |c, i| {
         c.stage(5, "late");
         let late = i.a + i.b;
         c.label(format_args!("late"), &late);
@@ -249,17 +257,17 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(error, Error::UsedBeforeMade { stage: 3, made: 5, .. }), "{error}");
     assert!(error.to_string().contains("late, which stage 5 computes"), "{error}");
 
-    operation!(TooLate, |c, i| {
+    operation!(TooLate = "too_late", |c, i| {
         c.stage(11, "where numbers are decoded");
         Output { number: i.a + i.b, is_so: i.flag, code: i.word }
     });
     let error = Operations::new().with(&TooLate, 0).expect_err("no such stage");
     assert!(matches!(error, Error::NoSuchStage { stage: 11, last: 10, .. }), "{error}");
 
-    operation!(Stageless, |_c, i| Output { number: i.a + i.b, is_so: i.flag, code: i.word });
+    operation!(Stageless = "stageless", |_c, i| Output { number: i.a + i.b, is_so: i.flag, code: i.word });
     assert!(matches!(Operations::new().with(&Stageless, 0), Err(Error::NoSuchStage { stage: 0, .. })));
 
-    operation!(Apart, |c, i, state| {
+    operation!(Apart = "apart", |c, i, state| {
         c.stage(4, "reads");
         let sum = state.kept + i.a;
         c.stage(7, "writes");
@@ -269,19 +277,19 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(error, Error::StateApart { read: 4, made: 7, .. }), "{error}");
 
     let error = Operations::new().with(&Mixed, 1).and_then(|set| set.with(&Straight, 1)).expect_err("taken");
-    assert_eq!(error.to_string(), "operation Straight: opcode 1 is taken by Mixed");
+    assert_eq!(error.to_string(), "operation straight: opcode 1 is taken by mixed");
     let error = Operations::new().with(&Mixed, 64).expect_err("too large");
-    assert_eq!(error.to_string(), "operation Mixed: opcode 64 is too large, expected 0 to 63");
+    assert_eq!(error.to_string(), "operation mixed: opcode 64 is too large, expected 0 to 63");
 }
 
 /// Each operation alone is valid. Together, the stage's adder would feed its multiplier, and the multiplier the adder.
 #[test]
 fn units_in_a_circle_are_refused() {
-    operation!(SumFirst, |c, i| {
+    operation!(SumFirst = "sum_first", |c, i| {
         c.stage(3, "(a + b) a");
         Output { number: (i.a + i.b) * i.a, is_so: i.flag, code: i.word }
     });
-    operation!(ProductFirst, |c, i| {
+    operation!(ProductFirst = "product_first", |c, i| {
         c.stage(3, "a b + a");
         Output { number: i.a * i.b + i.a, is_so: i.flag, code: i.word }
     });
@@ -304,7 +312,7 @@ bundle! {
 }
 
 // Has a port with the name of another operation's port, but another width.
-operation!(FourFlags, Wider<C>, (), |_c, i, _state| (Wider { is_so: Flags([i.flag; 4]) }, ()));
+operation!(FourFlags = "four_flags", Wider<C>, (), |_c, i, _state| (Wider { is_so: Flags([i.flag; 4]) }, ()));
 
 bundle! {
     /// Two ports of one name.
@@ -322,18 +330,18 @@ bundle! {
     }
 }
 
-operation!(TwoOfAName, Twice<C>, (), |_c, i, _state| (Twice { t: One { num: i.a }, t_num: i.b }, ()));
+operation!(TwoOfAName = "two_of_a_name", Twice<C>, (), |_c, i, _state| (Twice { t: One { num: i.a }, t_num: i.b }, ()));
 
 /// Ports of one name are one port. Other types or widths are an error.
 #[test]
 fn ports_of_one_name_are_alike() {
     let straight = || Operations::new().with(&Straight, 0).expect("an operation");
     let error = straight().with(&FourFlags, 1).expect_err("other widths");
-    let words = "operation FourFlags: its port is_so_o is 4 bits, and that of Straight 1 bit";
+    let words = "operation four_flags: its port is_so_o is 4 bits, and that of straight 1 bit";
     assert!(error.to_string().starts_with(words), "{error}");
     assert!(straight().with(&Mixed, 1).is_ok(), "the same ports");
     let error = Operations::new().with(&TwoOfAName, 0).expect_err("a name twice");
-    assert!(error.to_string().contains("its port t_num_o is a number, and that of TwoOfAName a number"), "{error}");
+    assert!(error.to_string().contains("its port t_num_o is a number, and that of two_of_a_name a number"), "{error}");
 }
 
 /// Assertions refer to states by name, with and without labels in the operation.
@@ -343,6 +351,6 @@ fn assertions_of_a_state_without_labels_look_at_it() {
         let operations = Operations::new().with(&Sum, 2).expect("an operation");
         let text =
             DatapathNetlist::build(operations, config.microarchitecture).expect("a datapath").properties().to_string();
-        assert!(text.contains("Sum_kept_state") && !text.contains("()"), "{config}: an open port\n{text}");
+        assert!(text.contains("sum_kept_state") && !text.contains("()"), "{config}: an open port\n{text}");
     }
 }

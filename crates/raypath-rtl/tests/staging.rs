@@ -241,7 +241,7 @@ fn units(add: usize, multiply: usize, compare: usize) -> Units {
     Units { add, multiply, compare, ..Units::default() }
 }
 
-operation!(Chained, |c, i| {
+operation!(Chained = "chained", |c, i| {
     c.auto();
     let n = i.n;
     let sum = n[0] + n[1];
@@ -262,7 +262,7 @@ fn units_follow_the_rules_of_chaining() {
 }
 
 // State that passes through two units, a flag that becomes a constant, and units before and after.
-operation!(Filter, |c, input, state| {
+operation!(Filter = "filter", |c, input, state| {
     c.auto();
     let [a, b, d, _] = input.n;
     let first = state.was.select(a, b);
@@ -288,7 +288,7 @@ fn states_stay_together() {
 
 #[test]
 fn stages_are_marked_or_not() {
-    operation!(Mixed, |c, i| {
+    operation!(Mixed = "mixed", |c, i| {
         c.auto();
         let sum = i.n[0] + i.n[1];
         c.stage(4, "product");
@@ -306,7 +306,7 @@ fn stages_are_marked_or_not() {
 
 #[test]
 fn too_long_a_chain_is_named() {
-    operation!(Long, |c, i| {
+    operation!(Long = "long", |c, i| {
         c.auto();
         let n = i.n;
         let mut power = n[0] - n[1];
@@ -325,7 +325,7 @@ fn too_long_a_chain_is_named() {
 
 #[test]
 fn too_many_units_are_counted_where_they_are() {
-    operation!(Sums, |c, i| {
+    operation!(Sums = "sums", |c, i| {
         c.stage(2, "sums");
         let (a, b) = (i.n[0] + i.n[1], i.n[2] + i.n[3]);
         c.stage(3, "their product");
@@ -334,7 +334,7 @@ fn too_many_units_are_counted_where_they_are() {
     let one = Budget::by_stage(|_| units(1, 1, 1));
     let marked = |budget| Operations::new().within(budget).with(&Sums, 0).and_then(DatapathNetlist::of);
     let error = marked(one).expect_err("two adders in stage 2");
-    let Error::TooManyUnits { operation: "Sums", shortages } = &error else { panic!("{error}") };
+    let Error::TooManyUnits { operation: "sums", shortages } = &error else { panic!("{error}") };
     let found: Vec<_> = shortages.iter().map(|s| (s.stage, s.kind, s.needed, s.allowed)).collect();
     assert_eq!(found, [(2, UnitKind::Add, 2, 1)]);
     assert!(error.to_string().contains("stage 2 needs 2 adders, 1 allowed; widen the budget or reduce"), "{error}");

@@ -19,7 +19,7 @@
 //!
 //! | feature | adds |
 //! | --- | --- |
-//! | `cli` (default) | the program `raypath` with the commands `generate`, `configs`, `operations`, `ray` |
+//! | `cli` (default) | the program `raypath` with the commands `generate`, `configs`, `operations`, `new-operation`, `ray` |
 //! | `workbench` | modules `workbench` and `prelude`: the command line for a crate with an operation of its own |
 //! | `full` | all commands, and the modules `render`, `search` and `timing` |
 

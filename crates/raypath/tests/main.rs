@@ -3,6 +3,7 @@
 mod command_line;
 mod configuration_files;
 mod golden;
+mod guides;
 mod layout;
 mod peers;
 mod recorded;

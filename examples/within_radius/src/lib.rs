@@ -1,6 +1,7 @@
 //! Fixed-radius neighbour search in a ray-tracing unit: which of four points lie within a radius of a query point.
 
 pub mod first_cut;
+pub mod nearest;
 
 // ANCHOR: operation
 use raypath::prelude::*;

@@ -6,6 +6,7 @@ use raypath::prelude::*;
 use raypath::rtl::{Config, Lanes};
 use raypath::sim::transactions::read;
 use raypath::workbench::{Arguments, Cost, run};
+use within_radius::nearest::{Distance, NearestSoFar};
 use within_radius::{Near, Points, WithinRadius, check, spec, stimulus};
 
 const NAME: &str = "within_radius";
@@ -177,4 +178,83 @@ fn it_is_not_a_cause_of_units() {
         let causes = raypath::rtl::report::tables::difference(&netlist, config, step);
         assert!(!causes.contains(&"operations beside the paper's"), "step {step}: {causes:?}");
     }
+}
+
+#[path = "../../../crates/raypath-cli/src/commands/new_operation/template.rs"]
+#[allow(dead_code)] // its `main`
+mod template;
+
+/// What `raypath new-operation` writes.
+#[test]
+fn the_template_is_right() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut out = Vec::new();
+    run(&template::spec().into(), &arguments(folder.path(), &["--jobs", "500"]), &mut out).expect("all is well");
+    let out = String::from_utf8(out).expect("text");
+    assert!(out.contains("Oracle of point_plane (f64): 0 of 500 random jobs have wrong results."), "{out}");
+}
+
+/// An operation with another name.
+macro_rules! renamed {
+    ($operation:ident, $name:literal) => {
+        struct $operation;
+
+        impl Operation for $operation {
+            const NAME: &'static str = $name;
+            type Input<C: Circuit> = Points<C>;
+            type Output<C: Circuit> = Near<C>;
+            type State<C: Circuit> = ();
+
+            fn run<C: Circuit>(&self, c: C, points: Points<C>, _: ()) -> (Near<C>, ()) {
+                WithinRadius.run(c, points, ())
+            }
+        }
+    };
+}
+renamed!(BuiltIn, "quadbox");
+renamed!(Capitals, "MyOp");
+
+/// An operation whose output has no name.
+struct Bare;
+
+impl Operation for Bare {
+    const NAME: &'static str = "bare";
+    type Input<C: Circuit> = Points<C>;
+    type Output<C: Circuit> = Num<C>;
+    type State<C: Circuit> = ();
+
+    fn run<C: Circuit>(&self, _: C, points: Points<C>, _: ()) -> (Num<C>, ()) {
+        (points.radius, ())
+    }
+}
+
+#[test]
+fn operations_that_a_datapath_cannot_have_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let error = |spec: AnyOperationSpec| {
+        run(&spec, &arguments(folder.path(), &[]), &mut Vec::new()).expect_err("a wrong name").to_string()
+    };
+    assert_eq!(error(OperationSpec::of(BuiltIn).into()), "operation quadbox: its name is taken by another operation");
+    let expected = "its name is not in snake_case, expected small letters, digits and _, the first a letter";
+    assert_eq!(error(OperationSpec::of(Capitals).into()), format!("operation MyOp: {expected}"));
+    assert!(error(OperationSpec::of(Bare).into()).starts_with("operation bare: its output is a bare value"));
+}
+
+/// The state follows the jobs through the model, and through the netlist with stalls.
+#[test]
+fn state_stays_from_job_to_job() {
+    let datapath = Datapath::new().with(NearestSoFar);
+    let mut model = datapath.model();
+    let mut nearest = |distance: f32, is_first: bool| {
+        let job = Distance { distance: distance.into(), is_first: is_first.into() };
+        let job = model.job_of::<NearestSoFar>(&job).expect("its operation");
+        let outcome = model.run(&job);
+        f32::from(model.output_of::<NearestSoFar>(&outcome).expect("its outcome").nearest)
+    };
+    let jobs = [(5.0, true), (7.0, false), (3.0, false), (4.0, false), (9.0, true), (8.0, false)];
+    assert_eq!(jobs.map(|(distance, is_first)| nearest(distance, is_first)), [5.0, 5.0, 3.0, 3.0, 9.0, 8.0]);
+    let netlist = datapath.elaborate().expect("it fits");
+    let specs = [AnyOperationSpec::from(OperationSpec::of(NearestSoFar))];
+    let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 1, jobs: 500 };
+    assert_eq!(checks.against_the_models(|_| true).expect("a netlist").different, 0);
 }

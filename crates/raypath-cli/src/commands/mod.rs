@@ -2,6 +2,7 @@
 
 pub mod configuration;
 mod generate;
+mod new_operation;
 pub mod numbers;
 mod operations;
 mod outputs;
@@ -45,6 +46,8 @@ enum Command {
     Configs,
     /// List the operations that a datapath can have, and the cost of each
     Operations(operations::Arguments),
+    /// Make a crate for an operation of your own
+    NewOperation(new_operation::Arguments),
     /// Derive the values of the ports of a ray (inverse, axes, shear) from its origin and direction
     Ray(ray::Arguments),
     #[command(flatten)]
@@ -64,6 +67,7 @@ impl CommandLine {
                 Ok(writeln!(out, "{}", exceptions())?)
             }
             Command::Operations(arguments) => operations::run(&arguments, out),
+            Command::NewOperation(arguments) => new_operation::run(&arguments, out),
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Full(command) => command.run(out),
         }

@@ -3,19 +3,19 @@
 pub mod drive;
 pub mod driver;
 
-/// Declares an operation from the types `Input` and `Output` at its place of use; with a third parameter, it also has a
-/// `State`.
+/// Declares an operation with a name from the types `Input` and `Output` at its place of use; with a third parameter,
+/// it also has a `State`.
 macro_rules! operation {
-    ($name:ident, |$c:ident, $input:ident| $body:expr) => {
-        operation!($name, Output<C>, (), |$c, $input, _state| ($body, ()));
+    ($name:ident = $text:literal, |$c:ident, $input:ident| $body:expr) => {
+        operation!($name = $text, Output<C>, (), |$c, $input, _state| ($body, ()));
     };
-    ($name:ident, |$c:ident, $input:ident, $state:ident| $body:expr) => {
-        operation!($name, Output<C>, State<C>, |$c, $input, $state| $body);
+    ($name:ident = $text:literal, |$c:ident, $input:ident, $state:ident| $body:expr) => {
+        operation!($name = $text, Output<C>, State<C>, |$c, $input, $state| $body);
     };
-    ($name:ident, $output:ty, $state_type:ty, |$c:ident, $input:ident, $state:ident| $body:expr) => {
+    ($name:ident = $text:literal, $output:ty, $state_type:ty, |$c:ident, $input:ident, $state:ident| $body:expr) => {
         struct $name;
         impl Operation for $name {
-            const NAME: &'static str = stringify!($name);
+            const NAME: &'static str = $text;
             type Input<C: Circuit> = Input<C>;
             type Output<C: Circuit> = $output;
             type State<C: Circuit> = $state_type;

@@ -69,7 +69,7 @@ fn dead_values_change_nothing() {
 }
 
 // Three of its four units are needed for their exceptions only.
-operation!(Sums, |c, i| {
+operation!(Sums = "sums", |c, i| {
     c.auto();
     let [a, b, d, e] = i.n;
     let _unread = [a + d, b + e, d * e];
@@ -111,7 +111,7 @@ fn exceptions_of_dead_values_are_an_output() {
 
 #[test]
 fn too_long_a_chain_counts_where_its_exceptions_do() {
-    operation!(Long, |c, i| {
+    operation!(Long = "long", |c, i| {
         c.auto();
         let _power = (0..12).fold(i.n[0], |power, _| power * i.n[1]);
         Output { number: i.n[2] + i.n[3] }
