@@ -30,7 +30,7 @@ put() {
 fill() {
   local filled
   filled="$(mktemp)"
-  sed -e "s|@PREFIX@|$prefix|g; s|@VERSION@|$version|g; s|@ABI@|$abi|g; s|@STATIC_LIBRARIES@|$static_libraries|g" \
+  sed -e "s|@VERSION@|$version|g; s|@ABI@|$abi|g; s|@STATIC_LIBRARIES@|$static_libraries|g" \
     "$1" > "$filled"
   put 644 "$filled" "$2"
   rm "$filled"
@@ -40,6 +40,8 @@ put 644 "$crate/include/raypath.h" include/raypath.h
 put 644 "$crate/include/raypath.hpp" include/raypath.hpp
 put 755 "$built/libraypath_capi.so" "lib/libraypath.so.$version"
 put 644 "$built/libraypath_capi.a" lib/libraypath.a
+# Without the debugging information of Rust's standard library.
+! command -v strip >/dev/null || strip --strip-debug "$prefix/lib/libraypath.so.$version" "$prefix/lib/libraypath.a"
 ln -sfn "libraypath.so.$version" "$prefix/lib/libraypath.so.$abi"
 ln -sfn "libraypath.so.$abi" "$prefix/lib/libraypath.so"
 fill "$crate/package/raypath.pc" lib/pkgconfig/raypath.pc

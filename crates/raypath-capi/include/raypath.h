@@ -113,6 +113,12 @@ typedef struct raypath_datapath raypath_datapath;
 typedef struct raypath_pipeline raypath_pipeline;
 
 /**
+ * A scene in memory, as a traversal unit reads it. It does not change, so any number of threads may use it at once,
+ * until `raypath_scene_free`.
+ */
+typedef struct raypath_scene raypath_scene;
+
+/**
  * A traversal unit: a ray goes in, its closest or any hit comes out. It does not change, so any number of threads may
  * use it at once, until `raypath_unit_close`.
  */
@@ -741,6 +747,40 @@ typedef struct {
 } raypath_unit_counts;
 
 /**
+ * Where rays, hits, requests and jobs of a unit waited since its last reset.
+ */
+typedef struct {
+  /**
+   * The rays inside, accepted and not taken as hits.
+   */
+  uint64_t rays_inside;
+  /**
+   * The sum of the rays inside over all cycles: divided by the cycles, the contexts in use.
+   */
+  uint64_t ray_cycles;
+  /**
+   * Cycles in which a ray was offered and not accepted.
+   */
+  uint64_t ray_stalls;
+  /**
+   * Cycles in which a hit was not taken.
+   */
+  uint64_t hit_stalls;
+  /**
+   * Cycles in which a request was not taken.
+   */
+  uint64_t request_stalls;
+  /**
+   * Cycles in which a job waited for the datapath.
+   */
+  uint64_t job_stalls;
+  /**
+   * Descents that began again at the root, because the stack of a ray had lost a level.
+   */
+  uint64_t restarts;
+} raypath_unit_stalls;
+
+/**
  * Success; `raypath_pipeline_offer`: the job is accepted; `raypath_pipeline_step`: a result left.
  */
 #define RAYPATH_OK 0
@@ -939,6 +979,15 @@ raypath_status raypath_generate(const raypath_datapath *datapath, const char *fo
  * `datapath` is NULL or an open datapath.
  */
 const char *raypath_description(const raypath_datapath *datapath);
+
+/**
+ * A digest of the configuration and the added operations, 64 hexadecimal digits: equal for equal configurations of one
+ * release. Valid while the datapath is open; NULL after an error.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath.
+ */
+const char *raypath_digest(const raypath_datapath *datapath);
 
 /**
  * Cycles from the acceptance of a job to its outcome in an empty pipeline; 0 after an error.
@@ -1142,10 +1191,114 @@ bool raypath_pipeline_output_valid(const raypath_pipeline *pipeline);
 raypath_status raypath_pipeline_reset(raypath_pipeline *pipeline);
 
 /**
+ * Copies the whole state as bytes into `bytes`, if they fit into `capacity`, and returns their number; 0 after an
+ * error. With a capacity of 0 it says how many are needed. `raypath_pipeline_restore` takes them over, also in another
+ * process.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread changes; `bytes` is NULL or has `capacity` elements.
+ */
+size_t raypath_pipeline_save(const raypath_pipeline *pipeline, uint8_t *bytes, size_t capacity);
+
+/**
+ * Takes over a state that `raypath_pipeline_save` copied, of an equal datapath in the same release of raypath.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for other bytes; `RAYPATH_ERROR_NULL`. Then nothing changes.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread uses; `bytes` is NULL or has `size` elements.
+ */
+raypath_status raypath_pipeline_restore(raypath_pipeline *pipeline, const uint8_t *bytes, size_t size);
+
+/**
+ * Makes a copy with the same state, and sets `*copy`, which is freed like the original.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread changes; `copy` is NULL or points to a pointer.
+ */
+raypath_status raypath_pipeline_clone(const raypath_pipeline *pipeline, raypath_pipeline **copy);
+
+/**
+ * Builds a scene in the layout that the unit reads, and sets `*scene`. Any thread may call it.
+ *
+ * `vertices` has three numbers for each of `vertex_count` vertices, `indices` three vertices for each of
+ * `triangle_count` triangles, counter-clockwise as seen from the front. With `instances`, which may be NULL, the scene
+ * has two levels: twelve numbers for each of `instance_count` places, an affine matrix from the triangles to the
+ * scene, row by row, the last number of each row the translation. `reach` is the greatest distance, along any axis,
+ * between the origin of a ray and a vertex; 0 for 16 times the longest side of the scene. Rays from further away may
+ * lose hits at the edges of boxes.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for an index of no vertex, a coordinate beyond 2^40, a matrix without an inverse, a
+ * negative reach, no triangle, more than fit into 4 GiB, or instances for a unit without them; `RAYPATH_ERROR_NULL`,
+ * `_ALIGNMENT`. Then `*scene` is not changed.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit; the arrays are NULL or have that many elements; `scene` is NULL or points to a
+ * pointer.
+ */
+raypath_status raypath_scene_build(const raypath_unit *unit,
+                                   const float (*vertices)[3],
+                                   size_t vertex_count,
+                                   const uint32_t (*indices)[3],
+                                   size_t triangle_count,
+                                   const double (*instances)[3][4],
+                                   size_t instance_count,
+                                   float reach,
+                                   raypath_scene **scene);
+
+/**
+ * Frees a scene. NULL is ignored.
+ *
+ * # Safety
+ * `scene` is NULL or came from `raypath_scene_build` and was not freed; no other call uses it.
+ */
+void raypath_scene_free(raypath_scene *scene);
+
+/**
+ * The bytes of a scene, the first of which has the address 0; NULL after an error. They are valid while the scene is.
+ *
+ * # Safety
+ * `scene` is NULL or a scene.
+ */
+const uint8_t *raypath_scene_data(const raypath_scene *scene);
+
+/**
+ * The number of its bytes; 0 after an error.
+ *
+ * # Safety
+ * `scene` is NULL or a scene.
+ */
+size_t raypath_scene_size(const raypath_scene *scene);
+
+/**
+ * The child word of its root, for `root` of a ray; 0 after an error.
+ *
+ * # Safety
+ * `scene` is NULL or a scene.
+ */
+uint32_t raypath_scene_root(const raypath_scene *scene);
+
+/**
+ * The reach for which it was built; 0 after an error.
+ *
+ * # Safety
+ * `scene` is NULL or a scene.
+ */
+float raypath_scene_reach(const raypath_scene *scene);
+
+/**
  * The version of the binary interface of this library. A program compares it with `RAYPATH_ABI_VERSION`. Any thread
  * may call it.
  */
 uint32_t raypath_abi_version(void);
+
+/**
+ * The commit of raypath from which the library was built, 40 hexadecimal digits; empty if it is not known. Any thread
+ * may call it.
+ */
+const char *raypath_commit(void);
 
 /**
  * The version of raypath, for example "0.1.0". Any thread may call it.
@@ -1187,6 +1340,15 @@ void raypath_unit_close(raypath_unit *unit);
  * `unit` is NULL or an open unit.
  */
 const char *raypath_unit_description(const raypath_unit *unit);
+
+/**
+ * A digest of the configuration of the unit and of its datapath, 64 hexadecimal digits: equal for equal configurations
+ * of one release. Valid while the unit is open; NULL after an error.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit.
+ */
+const char *raypath_unit_digest(const raypath_unit *unit);
 
 /**
  * Sets `*values` to the parameters of the unit.
@@ -1271,9 +1433,9 @@ raypath_status raypath_unit_model_step(raypath_unit_model *model, const raypath_
 
 /**
  * Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the
- * first with a hit or a request at the outputs. Returns the number of cycles that passed: 0 if there is one already,
- * and after an error. Equivalent to that many calls of `raypath_unit_model_step`, but cycles in which the unit waits
- * for the memory take no time.
+ * first with a hit or a request at the outputs, or in which `ray_ready` is 1 and was 0 before. Returns the number of
+ * cycles that passed: 0 if there is a hit or request already, and after an error. Equivalent to that many calls of
+ * `raypath_unit_model_step`, but cycles in which the unit waits for the memory take no time.
  *
  * # Safety
  * `model` is NULL or a model that no other thread uses.
@@ -1289,6 +1451,46 @@ uint64_t raypath_unit_model_skip(raypath_unit_model *model, uint64_t cycles);
  * That of `raypath_unit_model_outputs`; `counts` is NULL or points to a structure.
  */
 raypath_status raypath_unit_model_counts(const raypath_unit_model *model, raypath_unit_counts *counts);
+
+/**
+ * Sets `*stalls` to where rays, hits, requests and jobs waited since the last reset.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+ *
+ * # Safety
+ * That of `raypath_unit_model_outputs`; `stalls` is NULL or points to a structure.
+ */
+raypath_status raypath_unit_model_stalls(const raypath_unit_model *model, raypath_unit_stalls *stalls);
+
+/**
+ * Copies the whole state as bytes into `bytes`, if they fit into `capacity`, and returns their number; 0 after an
+ * error. With a capacity of 0 it says how many are needed. `raypath_unit_model_restore` takes them over, also in
+ * another process.
+ *
+ * # Safety
+ * `model` is NULL or a model that no other thread changes; `bytes` is NULL or has `capacity` elements.
+ */
+size_t raypath_unit_model_save(const raypath_unit_model *model, uint8_t *bytes, size_t capacity);
+
+/**
+ * Takes over a state that `raypath_unit_model_save` copied, of an equal unit in the same release of raypath.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for other bytes; `RAYPATH_ERROR_NULL`. Then nothing changes.
+ *
+ * # Safety
+ * `model` is NULL or a model that no other thread uses; `bytes` is NULL or has `size` elements.
+ */
+raypath_status raypath_unit_model_restore(raypath_unit_model *model, const uint8_t *bytes, size_t size);
+
+/**
+ * Makes a copy with the same state, and sets `*copy`, which is freed like the original.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `model` is NULL or a model that no other thread changes; `copy` is NULL or points to a pointer.
+ */
+raypath_status raypath_unit_model_clone(const raypath_unit_model *model, raypath_unit_model **copy);
 
 /**
  * A cycle in which `rst_ni` is 0: all rays are lost, and requests get no response.

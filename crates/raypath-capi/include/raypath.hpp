@@ -18,6 +18,7 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace raypath {
 
@@ -34,6 +35,7 @@ using UnitHit = raypath_unit_hit;
 using UnitInputs = raypath_unit_inputs;
 using UnitOutputs = raypath_unit_outputs;
 using UnitCounts = raypath_unit_counts;
+using UnitStalls = raypath_unit_stalls;
 
 /** Why a call failed: its status, below 0, and its message. */
 struct Error {
@@ -101,10 +103,18 @@ inline Outcome outcome(raypath_status status) {
   return std::monostate{};
 }
 
+template <class Model>
+std::vector<std::uint8_t> saved(std::size_t (*save)(const Model *, std::uint8_t *, std::size_t), const Model *model) {
+  std::vector<std::uint8_t> bytes(save(model, nullptr, 0));
+  save(model, bytes.data(), bytes.size());
+  return bytes;
+}
+
 struct Close {
   void operator()(raypath_datapath *datapath) const noexcept { raypath_close(datapath); }
   void operator()(raypath_pipeline *pipeline) const noexcept { raypath_pipeline_free(pipeline); }
   void operator()(raypath_unit *unit) const noexcept { raypath_unit_close(unit); }
+  void operator()(raypath_scene *scene) const noexcept { raypath_scene_free(scene); }
   void operator()(raypath_unit_model *model) const noexcept { raypath_unit_model_free(model); }
 };
 
@@ -223,6 +233,20 @@ class Pipeline {
   bool output_valid() const noexcept { return raypath_pipeline_output_valid(get()); }
   void reset() noexcept { raypath_pipeline_reset(get()); }
 
+  /** The whole state as bytes; see raypath_pipeline_save. */
+  std::vector<std::uint8_t> save() const { return detail::saved(raypath_pipeline_save, get()); }
+  /** Takes over a saved state; see raypath_pipeline_restore. */
+  Outcome restore(Span<const std::uint8_t> bytes) {
+    return detail::outcome(raypath_pipeline_restore(get(), bytes.data(), bytes.size()));
+  }
+  /** A copy with the same state. */
+  Expected<Pipeline> clone() const {
+    raypath_pipeline *copy = nullptr;
+    const raypath_status status = raypath_pipeline_clone(get(), &copy);
+    if (status < 0) return detail::last_error(status);
+    return Pipeline(copy);
+  }
+
   /** The handle, for functions of raypath.h. */
   raypath_pipeline *get() const noexcept { return handle_.get(); }
 
@@ -270,6 +294,40 @@ class Unit {
   std::unique_ptr<raypath_unit, detail::Close> handle_;
 };
 
+/** A scene in memory, as a traversal unit reads it. Any number of threads may use it at once. */
+class Scene {
+ public:
+  using Vertex = float[3];
+  using Triangle = std::uint32_t[3];
+  using Matrix = double[3][4];
+
+  /** Builds a scene; see raypath_scene_build. Without instances it has one level. */
+  static Expected<Scene> build(const Unit &unit, Span<const Vertex> vertices, Span<const Triangle> triangles,
+                               Span<const Matrix> instances = {}, float reach = 0.0f) {
+    raypath_scene *built = nullptr;
+    const raypath_status status =
+        raypath_scene_build(unit.get(), vertices.data(), vertices.size(), triangles.data(), triangles.size(),
+                            instances.data(), instances.size(), reach, &built);
+    if (status < 0) return detail::last_error(status);
+    return Scene(built);
+  }
+
+  /** The bytes, the first of which has the address 0. */
+  Span<const std::uint8_t> bytes() const noexcept { return {raypath_scene_data(get()), raypath_scene_size(get())}; }
+  /** The child word of the root, for `root` of a ray. */
+  std::uint32_t root() const noexcept { return raypath_scene_root(get()); }
+  /** The distance from which rays may come without losing hits. */
+  float reach() const noexcept { return raypath_scene_reach(get()); }
+
+  /** The handle, for functions of raypath.h. */
+  const raypath_scene *get() const noexcept { return handle_.get(); }
+
+ private:
+  explicit Scene(raypath_scene *built) noexcept : handle_(built) {}
+
+  std::unique_ptr<raypath_scene, detail::Close> handle_;
+};
+
 /** The cycle-exact model of a traversal unit. One thread at a time may use it. */
 class UnitModel {
  public:
@@ -290,7 +348,7 @@ class UnitModel {
   /** The clock edge that ends this cycle; see raypath_unit_model_step. */
   Outcome step(const UnitInputs &inputs) { return detail::outcome(raypath_unit_model_step(get(), &inputs)); }
 
-  /** Advances up to `cycles` cycles and stops at a hit or a request; the number of cycles. */
+  /** Advances up to `cycles` cycles and stops where an input could change something; see raypath_unit_model_skip. */
   std::uint64_t skip(std::uint64_t cycles) noexcept { return raypath_unit_model_skip(get(), cycles); }
 
   /** What the unit did since its last reset. */
@@ -300,7 +358,28 @@ class UnitModel {
     return counted;
   }
 
+  /** Where rays, hits, requests and jobs waited since its last reset. */
+  UnitStalls stalls() const noexcept {
+    UnitStalls counted{};
+    raypath_unit_model_stalls(get(), &counted);
+    return counted;
+  }
+
   void reset() noexcept { raypath_unit_model_reset(get()); }
+
+  /** The whole state as bytes; see raypath_unit_model_save. */
+  std::vector<std::uint8_t> save() const { return detail::saved(raypath_unit_model_save, get()); }
+  /** Takes over a saved state; see raypath_unit_model_restore. */
+  Outcome restore(Span<const std::uint8_t> bytes) {
+    return detail::outcome(raypath_unit_model_restore(get(), bytes.data(), bytes.size()));
+  }
+  /** A copy with the same state. */
+  Expected<UnitModel> clone() const {
+    raypath_unit_model *copy = nullptr;
+    const raypath_status status = raypath_unit_model_clone(get(), &copy);
+    if (status < 0) return detail::last_error(status);
+    return UnitModel(copy);
+  }
 
   /** The handle, for functions of raypath.h. */
   raypath_unit_model *get() const noexcept { return handle_.get(); }

@@ -11,6 +11,7 @@ use std::path::Path;
 pub struct Datapath {
     pub(crate) embedded: Embedded,
     pub(crate) description: CString,
+    pub(crate) digest: CString,
     pub(crate) operations: Vec<OperationText>,
 }
 
@@ -31,7 +32,8 @@ impl Datapath {
             inputs: embedded.inputs(operation).iter().map(|port| text(&port.name)).collect(),
             outputs: embedded.outputs(operation).iter().map(|port| text(&port.name)).collect(),
         });
-        Ok(Self { description: text(embedded.description()), operations: operations.collect(), embedded })
+        let (description, digest) = (text(embedded.description()), text(&embedded.digest()));
+        Ok(Self { description, digest, operations: operations.collect(), embedded })
     }
 
     /// The operation at an index in the order of opcodes, with its texts.

@@ -75,6 +75,22 @@ pub unsafe extern "C" fn raypath_description(datapath: *const Datapath) -> *cons
     description
 }
 
+/// A digest of the configuration and the added operations, 64 hexadecimal digits: equal for equal configurations of one
+/// release. Valid while the datapath is open; NULL after an error.
+///
+/// # Safety
+/// `datapath` is NULL or an open datapath.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_digest(datapath: *const Datapath) -> *const c_char {
+    let mut digest = std::ptr::null();
+    status(|| {
+        // SAFETY: by the contract of this function.
+        digest = unsafe { reference("datapath", datapath)? }.digest.as_ptr();
+        Ok(RAYPATH_OK)
+    });
+    digest
+}
+
 /// Cycles from the acceptance of a job to its outcome in an empty pipeline; 0 after an error.
 ///
 /// # Safety

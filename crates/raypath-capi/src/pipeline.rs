@@ -13,6 +13,7 @@ use std::ptr::{from_ref, null};
 /// The cycle-exact model of a datapath. One thread at a time may use it; another thread may use it later.
 ///
 /// A cycle consists of at most one accepted `raypath_pipeline_offer`, then `raypath_pipeline_step`.
+#[derive(Clone)]
 pub struct Pipeline {
     embedded: embed::Pipeline,
     lanes: usize,
@@ -315,6 +316,57 @@ pub unsafe extern "C" fn raypath_pipeline_reset(pipeline: *mut Pipeline) -> Stat
     status(|| {
         // SAFETY: by the contract of this function.
         unsafe { reference_mut("pipeline", pipeline)? }.embedded.reset();
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Copies the whole state as bytes into `bytes`, if they fit into `capacity`, and returns their number; 0 after an
+/// error. With a capacity of 0 it says how many are needed. `raypath_pipeline_restore` takes them over, also in another
+/// process.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread changes; `bytes` is NULL or has `capacity` elements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_save(pipeline: *const Pipeline, bytes: *mut u8, capacity: usize) -> usize {
+    value_or_zero(|| {
+        // SAFETY: by the contract of this function.
+        let (pipeline, bytes) = unsafe { (reference("pipeline", pipeline)?, results("bytes", bytes, capacity)?) };
+        let saved = pipeline.embedded.save();
+        if let Some(bytes) = bytes.get_mut(..saved.len()) {
+            bytes.copy_from_slice(&saved);
+        }
+        Ok(saved.len())
+    })
+}
+
+/// Takes over a state that `raypath_pipeline_save` copied, of an equal datapath in the same release of raypath.
+///
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for other bytes; `RAYPATH_ERROR_NULL`. Then nothing changes.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread uses; `bytes` is NULL or has `size` elements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_restore(pipeline: *mut Pipeline, bytes: *const u8, size: usize) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (pipeline, bytes) = unsafe { (reference_mut("pipeline", pipeline)?, array("bytes", bytes, size)?) };
+        pipeline.embedded.restore(bytes)?;
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Makes a copy with the same state, and sets `*copy`, which is freed like the original.
+///
+/// Errors: `RAYPATH_ERROR_NULL`.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread changes; `copy` is NULL or points to a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_clone(pipeline: *const Pipeline, copy: *mut *mut Pipeline) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (pipeline, copy) = unsafe { (reference("pipeline", pipeline)?, reference_mut("copy", copy)?) };
+        *copy = Box::into_raw(Box::new(pipeline.clone()));
         Ok(RAYPATH_OK)
     })
 }

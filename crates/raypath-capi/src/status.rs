@@ -5,6 +5,7 @@ use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::LazyLock;
 
 /// The result of a call: 0 success, above 0 success of another kind, below 0 an error.
 pub type Status = i32;
@@ -71,6 +72,15 @@ thread_local! {
 #[unsafe(no_mangle)]
 pub extern "C" fn raypath_abi_version() -> u32 {
     RAYPATH_ABI_VERSION
+}
+
+/// The commit of raypath from which the library was built, 40 hexadecimal digits; empty if it is not known. Any thread
+/// may call it.
+#[unsafe(no_mangle)]
+pub extern "C" fn raypath_commit() -> *const c_char {
+    static COMMIT: LazyLock<CString> =
+        LazyLock::new(|| CString::new(option_env!("RAYPATH_COMMIT").unwrap_or_default()).unwrap_or_default());
+    COMMIT.as_ptr()
 }
 
 /// The version of raypath, for example "0.1.0". Any thread may call it.

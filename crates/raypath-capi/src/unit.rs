@@ -11,6 +11,7 @@ use std::path::Path;
 pub struct Unit {
     pub(crate) embedded: Embedded,
     description: CString,
+    digest: CString,
 }
 
 /// The parameters of a traversal unit.
@@ -67,7 +68,8 @@ pub unsafe extern "C" fn raypath_unit_open(toml: *const c_char, unit: *mut *mut 
         let (toml, unit) = unsafe { (text("toml", toml)?, reference_mut("unit", unit)?) };
         let embedded = Embedded::open(toml.unwrap_or_default())?;
         let description = CString::new(embedded.description()).unwrap_or_default();
-        *unit = Box::into_raw(Box::new(Unit { embedded, description }));
+        let digest = CString::new(embedded.digest()).unwrap_or_default();
+        *unit = Box::into_raw(Box::new(Unit { embedded, description, digest }));
         Ok(RAYPATH_OK)
     })
 }
@@ -97,6 +99,22 @@ pub unsafe extern "C" fn raypath_unit_description(unit: *const Unit) -> *const c
         Ok(RAYPATH_OK)
     });
     description
+}
+
+/// A digest of the configuration of the unit and of its datapath, 64 hexadecimal digits: equal for equal configurations
+/// of one release. Valid while the unit is open; NULL after an error.
+///
+/// # Safety
+/// `unit` is NULL or an open unit.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_digest(unit: *const Unit) -> *const c_char {
+    let mut digest = std::ptr::null();
+    status(|| {
+        // SAFETY: by the contract of this function.
+        digest = unsafe { reference("unit", unit)? }.digest.as_ptr();
+        Ok(RAYPATH_OK)
+    });
+    digest
 }
 
 /// Sets `*values` to the parameters of the unit.

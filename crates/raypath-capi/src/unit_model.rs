@@ -1,7 +1,7 @@
 //! The cycle-exact model of a traversal unit.
 
 use crate::Unit;
-use crate::memory::{array, reference, reference_mut};
+use crate::memory::{array, reference, reference_mut, results};
 use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
 use raypath_embed::{self as embed, Response, UnitHit, UnitRay};
 
@@ -9,6 +9,7 @@ use raypath_embed::{self as embed, Response, UnitHit, UnitRay};
 ///
 /// A cycle consists of `raypath_unit_model_outputs`, which depend on earlier cycles alone, then
 /// `raypath_unit_model_step`. The caller is the memory.
+#[derive(Clone)]
 pub struct UnitModel {
     embedded: embed::UnitModel,
     beat_bytes: usize,
@@ -74,6 +75,26 @@ pub struct UnitCounts {
     pub fetches: u64,
     /// Rays that ended.
     pub rays: u64,
+}
+
+/// Where rays, hits, requests and jobs of a unit waited since its last reset.
+#[repr(C)]
+#[derive(Clone, Copy, Default)]
+pub struct UnitStalls {
+    /// The rays inside, accepted and not taken as hits.
+    pub rays_inside: u64,
+    /// The sum of the rays inside over all cycles: divided by the cycles, the contexts in use.
+    pub ray_cycles: u64,
+    /// Cycles in which a ray was offered and not accepted.
+    pub ray_stalls: u64,
+    /// Cycles in which a hit was not taken.
+    pub hit_stalls: u64,
+    /// Cycles in which a request was not taken.
+    pub request_stalls: u64,
+    /// Cycles in which a job waited for the datapath.
+    pub job_stalls: u64,
+    /// Descents that began again at the root, because the stack of a ray had lost a level.
+    pub restarts: u64,
 }
 
 /// Makes a model of the unit after a reset, and sets `*model`. The unit may be closed before the model. Any thread may
@@ -155,9 +176,9 @@ pub unsafe extern "C" fn raypath_unit_model_step(model: *mut UnitModel, inputs: 
 }
 
 /// Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the
-/// first with a hit or a request at the outputs. Returns the number of cycles that passed: 0 if there is one already,
-/// and after an error. Equivalent to that many calls of `raypath_unit_model_step`, but cycles in which the unit waits
-/// for the memory take no time.
+/// first with a hit or a request at the outputs, or in which `ray_ready` is 1 and was 0 before. Returns the number of
+/// cycles that passed: 0 if there is a hit or request already, and after an error. Equivalent to that many calls of
+/// `raypath_unit_model_step`, but cycles in which the unit waits for the memory take no time.
 ///
 /// # Safety
 /// `model` is NULL or a model that no other thread uses.
@@ -180,6 +201,76 @@ pub unsafe extern "C" fn raypath_unit_model_counts(model: *const UnitModel, coun
         let (model, counts) = unsafe { (reference("model", model)?, reference_mut("counts", counts)?) };
         let embed::UnitCounts { cycles, boxes, triangles, steps, fetches, rays, .. } = model.embedded.counts();
         *counts = UnitCounts { cycles, boxes, triangles, steps, fetches, rays };
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Sets `*stalls` to where rays, hits, requests and jobs waited since the last reset.
+///
+/// Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+///
+/// # Safety
+/// That of `raypath_unit_model_outputs`; `stalls` is NULL or points to a structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_stalls(model: *const UnitModel, stalls: *mut UnitStalls) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (model, stalls) = unsafe { (reference("model", model)?, reference_mut("stalls", stalls)?) };
+        let embed::UnitStalls { rays_inside, ray_cycles, ray_stalls, hit_stalls, request_stalls } =
+            model.embedded.stalls();
+        let embed::UnitCounts { job_stalls, restarts, .. } = model.embedded.counts();
+        *stalls = UnitStalls { rays_inside, ray_cycles, ray_stalls, hit_stalls, request_stalls, job_stalls, restarts };
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Copies the whole state as bytes into `bytes`, if they fit into `capacity`, and returns their number; 0 after an
+/// error. With a capacity of 0 it says how many are needed. `raypath_unit_model_restore` takes them over, also in
+/// another process.
+///
+/// # Safety
+/// `model` is NULL or a model that no other thread changes; `bytes` is NULL or has `capacity` elements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_save(model: *const UnitModel, bytes: *mut u8, capacity: usize) -> usize {
+    value_or_zero(|| {
+        // SAFETY: by the contract of this function.
+        let (model, bytes) = unsafe { (reference("model", model)?, results("bytes", bytes, capacity)?) };
+        let saved = model.embedded.save();
+        if let Some(bytes) = bytes.get_mut(..saved.len()) {
+            bytes.copy_from_slice(&saved);
+        }
+        Ok(saved.len())
+    })
+}
+
+/// Takes over a state that `raypath_unit_model_save` copied, of an equal unit in the same release of raypath.
+///
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for other bytes; `RAYPATH_ERROR_NULL`. Then nothing changes.
+///
+/// # Safety
+/// `model` is NULL or a model that no other thread uses; `bytes` is NULL or has `size` elements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_restore(model: *mut UnitModel, bytes: *const u8, size: usize) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (model, bytes) = unsafe { (reference_mut("model", model)?, array("bytes", bytes, size)?) };
+        model.embedded.restore(bytes)?;
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Makes a copy with the same state, and sets `*copy`, which is freed like the original.
+///
+/// Errors: `RAYPATH_ERROR_NULL`.
+///
+/// # Safety
+/// `model` is NULL or a model that no other thread changes; `copy` is NULL or points to a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_clone(model: *const UnitModel, copy: *mut *mut UnitModel) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (model, copy) = unsafe { (reference("model", model)?, reference_mut("copy", copy)?) };
+        *copy = Box::into_raw(Box::new(model.clone()));
         Ok(RAYPATH_OK)
     })
 }

@@ -1,6 +1,7 @@
 use crate::general::General;
 use crate::job::{Beat, Job, Outcome, no_operation};
 use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
+use crate::state::owner;
 use crate::{Error, native};
 use raypath_float::Format;
 use raypath_model::{Shape, WordModel};
@@ -66,6 +67,11 @@ impl Datapath {
         &self.description
     }
 
+    /// A digest of the configuration, of the added operations and of the release.
+    pub fn digest(&self) -> String {
+        owner(&self.description)
+    }
+
     /// The configuration.
     pub fn config(&self) -> Config {
         self.whole.config()
@@ -122,8 +128,8 @@ impl Datapath {
         self.operation(JobKind::Quadbox.name())?;
         same_length("boxes", boxes.len(), "rays", rays.len())?;
         same_length("results", results.len(), "rays", rays.len())?;
-        match self.native_rules() {
-            Some(rules) => native::quadbox(rules, rays, boxes, results),
+        match self.native_semantics() {
+            Some(semantics) => native::quadbox(semantics, rays, boxes, results),
             None => {
                 let mut general = General::new(self);
                 let jobs = rays.iter().zip(boxes);
@@ -145,8 +151,8 @@ impl Datapath {
         self.operation(JobKind::Triangle.name())?;
         same_length("triangles", triangles.len(), "rays", rays.len())?;
         same_length("results", results.len(), "rays", rays.len())?;
-        match self.native_rules() {
-            Some(rules) => native::triangle(rules, rays, triangles, results),
+        match self.native_semantics() {
+            Some(semantics) => native::triangle(semantics, rays, triangles, results),
             None => {
                 let mut general = General::new(self);
                 let jobs = rays.iter().zip(triangles);
@@ -168,7 +174,10 @@ impl Datapath {
     pub fn euclidean(&self, a: &[f32], b: &[f32], dimensions: usize, distances: &mut [f32]) -> Result<(), Error> {
         self.operation(JobKind::Euclidean.name())?;
         vectors(a, b, dimensions, distances.len())?;
-        if self.native_rules().is_none() {
+        if distances.is_empty() {
+            return Ok(());
+        }
+        let Some(Semantics { lanes, rounding, .. }) = self.native_semantics() else {
             let mut general = General::new(self);
             let pairs = a.chunks(dimensions).zip(b.chunks(dimensions));
             for ((a, b), distance) in pairs.zip(distances) {
@@ -179,14 +188,14 @@ impl Datapath {
                 }
             }
             return Ok(());
-        }
-        match self.config().semantics.lanes {
-            Lanes::None | Lanes::Two => native::euclidean::<2>(a, b, dimensions, distances),
-            Lanes::Four => native::euclidean::<4>(a, b, dimensions, distances),
-            Lanes::Eight => native::euclidean::<8>(a, b, dimensions, distances),
-            Lanes::Sixteen => native::euclidean::<16>(a, b, dimensions, distances),
-            Lanes::ThirtyTwo => native::euclidean::<32>(a, b, dimensions, distances),
-            Lanes::SixtyFour => native::euclidean::<64>(a, b, dimensions, distances),
+        };
+        match lanes {
+            Lanes::None | Lanes::Two => native::euclidean::<2>(rounding, a, b, dimensions, distances),
+            Lanes::Four => native::euclidean::<4>(rounding, a, b, dimensions, distances),
+            Lanes::Eight => native::euclidean::<8>(rounding, a, b, dimensions, distances),
+            Lanes::Sixteen => native::euclidean::<16>(rounding, a, b, dimensions, distances),
+            Lanes::ThirtyTwo => native::euclidean::<32>(rounding, a, b, dimensions, distances),
+            Lanes::SixtyFour => native::euclidean::<64>(rounding, a, b, dimensions, distances),
         }
         Ok(())
     }
@@ -207,7 +216,10 @@ impl Datapath {
         self.operation(JobKind::Angular.name())?;
         vectors(a, b, dimensions, dot_products.len())?;
         same_length("norms", norms.len(), "dot products", dot_products.len())?;
-        if self.native_rules().is_none() {
+        if norms.is_empty() {
+            return Ok(());
+        }
+        let Some(Semantics { lanes, rounding, .. }) = self.native_semantics() else {
             let mut general = General::new(self);
             let pairs = a.chunks(dimensions).zip(b.chunks(dimensions));
             for ((a, b), (dot, norm)) in pairs.zip(dot_products.iter_mut().zip(norms)) {
@@ -218,14 +230,14 @@ impl Datapath {
                 }
             }
             return Ok(());
-        }
-        match self.config().semantics.lanes {
-            Lanes::None | Lanes::Two => native::angular::<1>(a, b, dimensions, dot_products, norms),
-            Lanes::Four => native::angular::<2>(a, b, dimensions, dot_products, norms),
-            Lanes::Eight => native::angular::<4>(a, b, dimensions, dot_products, norms),
-            Lanes::Sixteen => native::angular::<8>(a, b, dimensions, dot_products, norms),
-            Lanes::ThirtyTwo => native::angular::<16>(a, b, dimensions, dot_products, norms),
-            Lanes::SixtyFour => native::angular::<32>(a, b, dimensions, dot_products, norms),
+        };
+        match lanes {
+            Lanes::None | Lanes::Two => native::angular::<1>(rounding, a, b, dimensions, dot_products, norms),
+            Lanes::Four => native::angular::<2>(rounding, a, b, dimensions, dot_products, norms),
+            Lanes::Eight => native::angular::<4>(rounding, a, b, dimensions, dot_products, norms),
+            Lanes::Sixteen => native::angular::<8>(rounding, a, b, dimensions, dot_products, norms),
+            Lanes::ThirtyTwo => native::angular::<16>(rounding, a, b, dimensions, dot_products, norms),
+            Lanes::SixtyFour => native::angular::<32>(rounding, a, b, dimensions, dot_products, norms),
         }
         Ok(())
     }
@@ -274,7 +286,14 @@ impl Datapath {
         self.model.clone()
     }
 
-    /// The rules, if the paper's operations can be computed in native binary32.
+    /// The semantics, if arrays of the paper's operations can be computed in native binary32. Features that typed jobs
+    /// do not show, such as a tag, change nothing.
+    fn native_semantics(&self) -> Option<Semantics> {
+        let semantics = self.config().semantics;
+        (semantics.format == Format::BINARY32 && !semantics.features.quantised_boxes).then_some(semantics)
+    }
+
+    /// The rules, if single jobs can be computed in native binary32.
     pub(crate) fn native_rules(&self) -> Option<Rules> {
         let Semantics { format, features, rules, rounding, .. } = self.config().semantics;
         let is_native = format == Format::BINARY32 && rounding == Rounding::Unit && features == Features::OFF;

@@ -3,13 +3,13 @@
 use crate::Datapath;
 use crate::job::{Job, Outcome};
 use raypath_float::Format;
-use raypath_model::{Model, WordModel, Words};
+use raypath_model::{Model, WordModel, Words, state};
 use raypath_ops::{self as ops, Aabb, Binary32, JobKind, PortKind, RayBoxInput, RayTriangleInput};
 use raypath_sim::OperationId;
 
 /// The functional model of a datapath, for jobs of the paper's operations in binary32. Numbers are rounded to the
 /// datapath's format and back. Ports that only features add are 0.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct General {
     model: WordModel,
     /// Of the paper's operations that the datapath has.
@@ -17,8 +17,10 @@ pub struct General {
     words: Vec<u64>,
 }
 
+state! { General { model } }
+
 /// The ports of one of the paper's operations, related to those of [`ops::Job`] and [`ops::Outcome`].
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct PaperOperation {
     kind: JobKind,
     id: OperationId,

@@ -2,9 +2,11 @@
 
 use crate::Error;
 use crate::layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
+use raypath_model::{State, StateWords, state};
 use raypath_ops::{self as ops, BeatInput, Binary32, Flags, Num};
 use raypath_rtl::alternatives;
 use raypath_sim::OperationId;
+use std::mem::discriminant;
 
 /// A job.
 #[derive(Debug, Clone, Copy)]
@@ -81,6 +83,42 @@ pub enum Outcome {
     Words(u64) = 4,
     /// Of a job without values: its opcode.
     Timing(u64) = 5,
+}
+
+state! {
+    TriangleResult { t_num, t_denom, triangle_hit }
+    QuadboxResult { tmin, is_intersect, box_index }
+    EuclideanResult { accumulator, reset_accum }
+    AngularResult { dot_product, norm, reset_accum }
+}
+
+impl State for Outcome {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let kinds = [
+            Self::Triangle(TriangleResult::default()),
+            Self::Quadbox(QuadboxResult::default()),
+            Self::Euclidean(EuclideanResult::default()),
+            Self::Angular(AngularResult::default()),
+            Self::Words(0),
+            Self::Timing(0),
+        ];
+        let is_same = |other: &Self| discriminant(other) == discriminant(self);
+        let before = kinds.iter().position(is_same).unwrap_or(0);
+        let mut number = before;
+        number.pass(words);
+        match kinds.get(number) {
+            Some(_) if number == before => {}
+            Some(kind) => *self = *kind,
+            None => return words.refuse(),
+        }
+        match self {
+            Self::Triangle(result) => result.pass(words),
+            Self::Quadbox(result) => result.pass(words),
+            Self::Euclidean(result) => result.pass(words),
+            Self::Angular(result) => result.pass(words),
+            Self::Words(opcode) | Self::Timing(opcode) => opcode.pass(words),
+        }
+    }
 }
 
 impl<const N: usize> From<Beat<'_>> for BeatInput<Binary32, N> {

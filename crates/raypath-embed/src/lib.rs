@@ -13,6 +13,7 @@ mod native;
 mod paper;
 mod pipeline;
 mod ring;
+mod state;
 mod transpose;
 mod unit;
 
@@ -25,4 +26,4 @@ pub use raypath_model::Words;
 pub use raypath_ops::RayError;
 pub use raypath_sim::OperationId;
 pub use raypath_traversal::{BlockRequest, Response, UnitCounts};
-pub use unit::{Unit, UnitHit, UnitInputs, UnitModel, UnitOutputs, UnitRay};
+pub use unit::{SceneInput, Unit, UnitHit, UnitInputs, UnitModel, UnitOutputs, UnitRay, UnitScene, UnitStalls};

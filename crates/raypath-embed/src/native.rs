@@ -3,18 +3,20 @@
 use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices, canonical};
 use crate::transpose;
 use fearless_simd::{Level, Simd, dispatch};
-use raypath_model::{BLOCK, Batch, BlockValue, Packed, blank};
+use raypath_model::{BLOCK, Batch, BlockValue, Packed, blank, run_blocks};
 use raypath_ops::{
-    self as ops, Aabb, AngularOutput, Beat, BeatInput, Binary32, Bit, EuclideanOutput, Flags, Num, RayBoxInput,
-    RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules, Slab, Vec3, Word, array_of,
+    self as ops, Aabb, AngularOutput, Beat, BeatInput, Binary32, Bit, EuclideanOutput, Flags, Num, RayBoxConservative,
+    RayBoxInput, RayBoxOutput, RayTriangleExtendedInput, RayTriangleExtendedOutput, RayTriangleInput,
+    RayTriangleOutput, Rounding, Rules, Slab, Vec3, Word, array_of,
 };
+use raypath_rtl::Semantics;
 
 /// The blocks that are packed before they are computed: their jobs and outcomes fit into a first-level cache.
 const BLOCKS: usize = 4;
 
 /// Computes a job for each ray. All slices have as many jobs.
-pub fn quadbox(rules: Rules, rays: &[Ray], boxes: &[[Bounds; 4]], results: &mut [QuadboxResult]) {
-    let (level, batch) = (Level::new(), Batch::<2, 1>::new(rules));
+pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], results: &mut [QuadboxResult]) {
+    let (level, batch) = (Level::new(), Batch::<2, 1>::new(semantics.rules_in_full()));
     let mut jobs = [blank::<RayBoxInput<Binary32>>(); BLOCKS];
     let mut answers = [blank::<RayBoxOutput<Binary32>>(); BLOCKS];
     for first in (0..results.len()).step_by(BLOCKS * BLOCK) {
@@ -27,36 +29,71 @@ pub fn quadbox(rules: Rules, rays: &[Ray], boxes: &[[Bounds; 4]], results: &mut 
             let bounds = transpose::fields(simd, |i| numbers_of_boxes(&boxes[at(i)]));
             *job = RayBoxInput { ray, aabb: array_of!(k => packed_box(&bounds, 6 * k)) };
         });
-        batch.quadbox(&jobs[..used], &mut answers[..used]);
+        if semantics.features.conservative {
+            let (jobs, answers) = (&jobs[..used], &mut answers[..used]);
+            dispatch!(level, simd => run_blocks(simd, &RayBoxConservative, jobs, answers, &mut ()));
+        } else {
+            batch.quadbox(&jobs[..used], &mut answers[..used]);
+        }
         for (results, answer) in results.chunks_mut(BLOCK).zip(&answers[..used]) {
             unpack_boxes(answer, results);
         }
     }
 }
 
-/// Computes a job for each ray. All slices have as many jobs.
-pub fn triangle(rules: Rules, rays: &[Ray], triangles: &[Vertices], results: &mut [TriangleResult]) {
-    let (level, batch) = (Level::new(), Batch::<2, 1>::new(rules));
-    let mut jobs = [blank::<RayTriangleInput<Binary32>>(); BLOCKS];
-    let mut answers = [blank::<RayTriangleOutput<Binary32>>(); BLOCKS];
+/// Computes a job for each ray. All slices have as many jobs. With the feature `range`, rays begin at a distance of 0.
+pub fn triangle(semantics: Semantics, rays: &[Ray], triangles: &[Vertices], results: &mut [TriangleResult]) {
+    let Some(op) = semantics.extended_triangle() else {
+        let batch = Batch::<2, 1>::new(semantics.rules_in_full()).rounding(semantics.rounding);
+        return triangles_of(
+            (rays, triangles, results),
+            [blank::<RayTriangleInput<Binary32>>(); BLOCKS],
+            [blank::<RayTriangleOutput<Binary32>>(); BLOCKS],
+            |ray, triangle| RayTriangleInput { ray, triangle },
+            |jobs, answers| batch.triangle(jobs, answers),
+            |answer| (answer.t_num, answer.t_denom, answer.triangle_hit),
+        );
+    };
+    let level = Level::new();
+    triangles_of(
+        (rays, triangles, results),
+        [blank::<RayTriangleExtendedInput<Binary32>>(); BLOCKS],
+        [blank::<RayTriangleExtendedOutput<Binary32>>(); BLOCKS],
+        |ray, triangle| RayTriangleExtendedInput { ray, triangle, t_min: num(BlockValue([0.0; BLOCK])) },
+        |jobs, answers| dispatch!(level, simd => run_blocks(simd, &op, jobs, answers, &mut ())),
+        |answer| (answer.t_num, answer.t_denom, answer.triangle_hit),
+    );
+}
+
+/// Computes jobs that `job` makes of a ray and a triangle.
+fn triangles_of<I, O>(
+    (rays, triangles, results): (&[Ray], &[Vertices], &mut [TriangleResult]),
+    mut jobs: [I; BLOCKS],
+    mut answers: [O; BLOCKS],
+    job: impl Fn(ops::Ray<Packed>, ops::Triangle<Packed>) -> I,
+    run: impl Fn(&[I], &mut [O]),
+    parts: impl Fn(&O) -> (Num<Packed>, Num<Packed>, Bit<Packed>),
+) {
+    let level = Level::new();
     for first in (0..results.len()).step_by(BLOCKS * BLOCK) {
         let results = &mut results[first..];
         let used = results.len().div_ceil(BLOCK).min(BLOCKS);
         let last = first + results.len() - 1;
-        dispatch!(level, simd => for (block, job) in jobs[..used].iter_mut().enumerate() {
+        dispatch!(level, simd => for (block, packed) in jobs[..used].iter_mut().enumerate() {
             let at = |i: usize| (first + block * BLOCK + i).min(last);
             let ray = packed_ray(simd, |i| &rays[at(i)]);
             let fields = transpose::fields(simd, |i| numbers_of_vertices(&triangles[at(i)]));
             let vertex = |k: usize| packed_vector(&fields, 3 * k);
-            *job = RayTriangleInput { ray, triangle: ops::Triangle { a: vertex(0), b: vertex(1), c: vertex(2) } };
+            *packed = job(ray, ops::Triangle { a: vertex(0), b: vertex(1), c: vertex(2) });
         });
-        batch.triangle(&jobs[..used], &mut answers[..used]);
+        run(&jobs[..used], &mut answers[..used]);
         for (results, answer) in results.chunks_mut(BLOCK).zip(&answers[..used]) {
+            let (t_num, t_denom, hit) = parts(answer);
             for (i, result) in results.iter_mut().enumerate() {
                 *result = TriangleResult {
-                    t_num: canonical(answer.t_num.value.0[i]),
-                    t_denom: canonical(answer.t_denom.value.0[i]),
-                    triangle_hit: u32::from(answer.triangle_hit.value.0[i] != 0),
+                    t_num: canonical(t_num.value.0[i]),
+                    t_denom: canonical(t_denom.value.0[i]),
+                    triangle_hit: u32::from(hit.value.0[i] != 0),
                 };
             }
         }
@@ -65,8 +102,8 @@ pub fn triangle(rules: Rules, rays: &[Ray], triangles: &[Vertices], results: &mu
 
 /// Computes the distance of each pair of vectors, with `N` dimensions per beat. `a` and `b` have `dimensions` numbers
 /// for each distance, and `dimensions` is at least 1.
-pub fn euclidean<const N: usize>(a: &[f32], b: &[f32], dimensions: usize, distances: &mut [f32]) {
-    let mut batch = Batch::<N, 1>::new(Rules::Paper);
+pub fn euclidean<const N: usize>(rounding: Rounding, a: &[f32], b: &[f32], dimensions: usize, distances: &mut [f32]) {
+    let mut batch = Batch::<N, 1>::new(Rules::Paper).rounding(rounding);
     let mut answers = [blank::<EuclideanOutput<Binary32>>(); BLOCKS];
     for (pairs, distances) in pairs(a, b, dimensions).zip(distances.chunks_mut(BLOCK)) {
         let mut last = answers[0];
@@ -80,8 +117,15 @@ pub fn euclidean<const N: usize>(a: &[f32], b: &[f32], dimensions: usize, distan
 
 /// Computes the dot product of each pair of vectors and the squared norm of the second, with `N` dimensions per beat.
 /// `a` and `b` have `dimensions` numbers for each pair, and `dimensions` is at least 1.
-pub fn angular<const N: usize>(a: &[f32], b: &[f32], dimensions: usize, dots: &mut [f32], norms: &mut [f32]) {
-    let mut batch = Batch::<2, N>::new(Rules::Paper);
+pub fn angular<const N: usize>(
+    rounding: Rounding,
+    a: &[f32],
+    b: &[f32],
+    dimensions: usize,
+    dots: &mut [f32],
+    norms: &mut [f32],
+) {
+    let mut batch = Batch::<2, N>::new(Rules::Paper).rounding(rounding);
     let mut answers = [blank::<AngularOutput<Binary32>>(); BLOCKS];
     for ((pairs, dots), norms) in pairs(a, b, dimensions).zip(dots.chunks_mut(BLOCK)).zip(norms.chunks_mut(BLOCK)) {
         let mut last = answers[0];

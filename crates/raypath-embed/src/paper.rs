@@ -2,7 +2,7 @@
 
 use crate::job::{Beat, Outcome, lanes};
 use crate::layout::{Bounds, Ray, Vertices};
-use raypath_model::Functional;
+use raypath_model::{Functional, State, StateWords};
 use raypath_ops::{self as ops, BeatInput, Binary32, Flags, JobKind, RayBoxInput, RayTriangleInput, Rules};
 
 /// The functional model of the paper's operations, for any number of lanes.
@@ -21,9 +21,20 @@ pub trait Native: Send {
     fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64>;
     /// Sets the accumulators to zero.
     fn restart(&mut self);
+    /// Passes the accumulators.
+    fn pass(&mut self, words: &mut StateWords<'_>);
+    /// The same model once more.
+    fn boxed(&self) -> Box<dyn Native>;
+}
+
+impl Clone for Box<dyn Native> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
 }
 
 /// The model of `E` Euclidean and `A` angular lanes.
+#[derive(Clone)]
 pub struct PaperModel<const E: usize, const A: usize> {
     model: Functional<E, A>,
     euclidean: LastMask<E>,
@@ -32,6 +43,7 @@ pub struct PaperModel<const E: usize, const A: usize> {
 
 /// The mask of the last beat as a number and as flags. Most beats have the mask of the one before, and to unpack one
 /// takes as long as the beat itself.
+#[derive(Clone)]
 struct LastMask<const N: usize> {
     mask: u64,
     flags: Flags<Binary32, N>,
@@ -70,6 +82,14 @@ impl<const E: usize, const A: usize> Native for PaperModel<E, A> {
 
     fn restart(&mut self) {
         self.model.reset();
+    }
+
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        self.model.pass(words);
+    }
+
+    fn boxed(&self) -> Box<dyn Native> {
+        Box::new(self.clone())
     }
 }
 

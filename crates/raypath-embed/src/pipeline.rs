@@ -2,12 +2,14 @@ use crate::general::General;
 use crate::job::{Job, Outcome, Tagged, no_operation, operation};
 use crate::paper::{Native, PaperModel};
 use crate::ring::Ring;
+use crate::state::{restore, save};
 use crate::{Datapath, Error};
-use raypath_model::{Flow, PipelinePosition, Words};
+use raypath_model::{Flow, PipelinePosition, State, StateWords, Words};
 use raypath_ops::JobKind;
 use raypath_rtl::Lanes;
 use raypath_sim::OperationId;
 use std::fmt;
+use std::sync::Arc;
 
 /// The cycle-exact model of a datapath, whose jobs carry a tag. In every cycle it accepts and delivers what the
 /// hardware does.
@@ -28,6 +30,7 @@ use std::fmt;
 /// assert!(left.tag == 7 && matches!(left.outcome, Outcome::Triangle(result) if result.triangle_hit == 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[derive(Clone)]
 pub struct Pipeline {
     flow: Flow,
     /// The outcome of a job is computed when the job is offered, because it depends on the order of jobs alone.
@@ -41,6 +44,22 @@ pub struct Pipeline {
     /// Native arithmetic, for datapaths in binary32 without features.
     native: Option<Box<dyn Native>>,
     general: General,
+    /// The datapath in words.
+    datapath: Arc<str>,
+}
+
+impl State for Pipeline {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let Self { flow, outcomes, accepted, operations, native, general, .. } = self;
+        flow.pass(words);
+        accepted.pass(words);
+        native.iter_mut().for_each(|native| native.pass(words));
+        general.pass(words);
+        outcomes.pass(words, |opcode, words| {
+            let operation = operation(operations, opcode).ok()?;
+            Some(general.outcome_of_words(operation, words))
+        });
+    }
 }
 
 impl Pipeline {
@@ -61,7 +80,17 @@ impl Pipeline {
         let (operations, general) = (datapath.operations(), General::new(datapath));
         let has_paper = JobKind::ALL.map(|kind| operations.iter().any(|operation| *operation == kind));
         let outcomes = Ring::new(datapath.shape().capacity());
-        Self { flow, outcomes, accepted: None, operations, has_paper, lanes: lanes.count(), native, general }
+        Self {
+            flow,
+            outcomes,
+            accepted: None,
+            operations,
+            has_paper,
+            lanes: lanes.count(),
+            native,
+            general,
+            datapath: datapath.description().into(),
+        }
     }
 
     /// Offers a job with a tag in this cycle. Returns whether it is accepted, which a job after an accepted one is not.
@@ -191,6 +220,20 @@ impl Pipeline {
     /// The number of jobs inside, with the one that was accepted in this cycle.
     pub fn occupancy(&self) -> usize {
         self.outcomes.len()
+    }
+
+    /// The whole state as bytes, for [`restore`](Self::restore).
+    pub fn save(&self) -> Vec<u8> {
+        save(self, &self.datapath)
+    }
+
+    /// Takes over a saved state of a pipeline of an equal datapath. The words of the outcome that left last are gone.
+    ///
+    /// # Errors
+    /// Bytes that no such pipeline of this release has saved. Then nothing changes.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let datapath = self.datapath.clone();
+        restore(self, &datapath, bytes)
     }
 
     /// A cycle in which `rst_ni` is 0: all jobs are lost, and the accumulators are zero.

@@ -1,9 +1,10 @@
 use crate::job::{Outcome, Tagged};
-use raypath_model::Words;
+use raypath_model::{State, StateWords, Words};
 use std::collections::VecDeque;
 
 /// The outcomes of the jobs inside a pipeline, oldest first, in a ring. An outcome stays in its place until another
 /// takes it, so that the one that left last can still be read.
+#[derive(Clone)]
 pub struct Ring {
     /// A power of two.
     places: Box<[Tagged]>,
@@ -70,6 +71,32 @@ impl Ring {
     pub fn clear(&mut self) {
         (self.first, self.len, self.left_words) = (0, 0, None);
         self.words.clear();
+    }
+
+    /// Passes the jobs inside. `words_of` makes the words of an operation's outcome.
+    pub fn pass(&mut self, words: &mut StateWords<'_>, words_of: impl Fn(u64, &[u64]) -> Option<Words>) {
+        let mut count = self.len;
+        count.pass(words);
+        if count > self.places.len() {
+            return words.refuse();
+        }
+        (self.len, self.left_words) = (count, None);
+        let kept = std::mem::take(&mut self.words);
+        let mut kept = kept.iter();
+        for index in 0..count {
+            let place = self.place(self.first + index);
+            let Tagged { tag, outcome } = &mut self.places[place];
+            tag.pass(words);
+            outcome.pass(words);
+            if let Outcome::Words(opcode) = *outcome {
+                let mut list = kept.next().map_or(Vec::new(), |kept| kept.as_words().to_vec());
+                words.list(&mut list);
+                match words_of(opcode, &list) {
+                    Some(found) => self.words.push_back(found),
+                    None => return words.refuse(),
+                }
+            }
+        }
     }
 
     #[inline(always)]

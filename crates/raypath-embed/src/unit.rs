@@ -2,17 +2,20 @@
 
 mod layout;
 mod model;
+mod scene;
 mod user;
 
 use crate::Error;
 use crate::datapath::same_length;
+use crate::state::owner;
 pub use layout::{UnitHit, UnitRay};
-pub use model::{UnitInputs, UnitModel, UnitOutputs};
+pub use model::{UnitInputs, UnitModel, UnitOutputs, UnitStalls};
 use raypath_rtl::Config;
 use raypath_sim::configuration;
 use raypath_sim::files::{in_folder, write_all};
 use raypath_traversal::system::{MemoryParameters, SystemTiming, simulate};
 use raypath_traversal::{self as unit, UnitNetlist, UnitParameters};
+pub use scene::{SceneInput, UnitScene};
 use std::path::Path;
 use user::List;
 
@@ -69,6 +72,11 @@ impl Unit {
         &self.description
     }
 
+    /// A digest of the parameters of the unit, of its datapath and of the release.
+    pub fn digest(&self) -> String {
+        owner(&self.description)
+    }
+
     /// The parameters of the unit.
     pub fn parameters(&self) -> UnitParameters {
         self.netlist.parameters
@@ -84,13 +92,25 @@ impl Unit {
         &self.netlist
     }
 
+    /// An error for a ray with a value that its port does not have.
+    ///
+    /// # Errors
+    /// The first such ray, with its index.
+    pub fn check(&self, rays: &[UnitRay]) -> Result<(), Error> {
+        for (index, ray) in rays.iter().enumerate() {
+            ray.check().map_err(|problem| Error::Argument(format!("ray {index}: {problem}")))?;
+        }
+        Ok(())
+    }
+
     /// Traces rays through a scene by the functional model. The first byte of the scene has the address 0
     /// (`docs/reference/unit.md`). An address outside of it is an error of the memory.
     ///
     /// # Errors
     /// Slices of different lengths; a ray with a value that its port does not have. Then no hit is written.
     pub fn trace(&self, scene: &[u8], rays: &[UnitRay], hits: &mut [UnitHit]) -> Result<(), Error> {
-        check(rays, hits)?;
+        self.check(rays)?;
+        same_length("hits", hits.len(), "rays", rays.len())?;
         let mut model = self.functional.clone();
         for (ray, hit) in rays.iter().zip(hits) {
             *hit = (&model.trace(scene, &ray.into())).into();
@@ -112,7 +132,8 @@ impl Unit {
         hits: &mut [UnitHit],
         progress: &dyn Fn(u64) -> bool,
     ) -> Result<SystemTiming, Error> {
-        check(rays, hits)?;
+        self.check(rays)?;
+        same_length("hits", hits.len(), "rays", rays.len())?;
         check_memory(memory).map_err(Error::Argument)?;
         let (shape, parameters) = (self.netlist.shape(), self.netlist.parameters);
         Ok(simulate(&shape, parameters, scene, memory, &mut List::new(rays, hits, progress)))
@@ -129,15 +150,6 @@ impl Unit {
         write_all(&in_folder(folder, files))?;
         Ok(count)
     }
-}
-
-fn check(rays: &[UnitRay], hits: &[UnitHit]) -> Result<(), Error> {
-    same_length("hits", hits.len(), "rays", rays.len())?;
-    let checked = rays.iter().enumerate().map(|(index, ray)| (index, ray.check()));
-    for (index, checked) in checked {
-        checked.map_err(|problem| Error::Argument(format!("ray {index}: {problem}")))?;
-    }
-    Ok(())
 }
 
 /// The most cycles of a latency, and the most bytes of a cycle, so that a count of cycles does not overflow.

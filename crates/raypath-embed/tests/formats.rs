@@ -2,7 +2,9 @@
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_embed::{Bounds, Datapath, Error, QuadboxResult, Ray};
+use raypath_embed::{
+    Beat, Bounds, Datapath, Error, Job, Outcome, Pipeline, QuadboxResult, Ray, TriangleResult, Vertices,
+};
 
 /// Whole numbers, whose sums are exact in any order.
 fn whole_numbers(count: usize, seed: u64) -> Vec<f32> {
@@ -38,21 +40,95 @@ fn distances_of_whole_numbers_are_exact() {
     }
 }
 
+/// The outcomes of jobs one after another through a pipeline: of boxes, of triangles, and of two beats each of
+/// distances.
+fn through_pipeline(datapath: &Datapath, rays: &[Ray], boxes: &[[Bounds; 4]], triangles: &[Vertices]) -> Vec<Outcome> {
+    let mut pipeline = Pipeline::new(datapath);
+    let mut outcomes = Vec::new();
+    let mut through = |job: &Job<'_>| {
+        assert!(pipeline.offer(job, 0).expect("a job"));
+        pipeline.skip(1000);
+        outcomes.push(pipeline.step(true).expect("an outcome").outcome);
+    };
+    for ((ray, boxes), triangle) in rays.iter().zip(boxes).zip(triangles) {
+        through(&Job::Quadbox { ray, boxes });
+        through(&Job::Triangle { ray, triangle });
+    }
+    outcomes
+}
+
+/// Arrays, which SIMD lanes compute, have the bits of single jobs through the words at the ports, with every feature.
+#[test]
+fn arrays_are_as_single_jobs() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut vector = || [(); 3].map(|()| random.random_range(-1.0_f32..1.0));
+    let rays: Vec<Ray> = (0..300).filter_map(|_| Ray::new(vector(), vector(), 3.0).ok()).collect();
+    let boxes: Vec<[Bounds; 4]> =
+        rays.iter().map(|_| [(); 4].map(|()| Bounds { min: vector(), max: [1.0; 3] })).collect();
+    let triangles: Vec<Vertices> = rays.iter().map(|_| Vertices { a: vector(), b: vector(), c: vector() }).collect();
+    let features = [
+        "tag = 3",
+        "barycentrics = true",
+        "culling = \"none\"",
+        "culling = \"front\"\nfacing = true",
+        "range = true",
+        "conservative = true",
+        "accumulators = 4",
+        "exception-flags = true",
+        "rules = \"chisel\"\ntag = 1",
+        "rounding = \"sum\"",
+        "rounding = \"sum\"\nbarycentrics = true\nculling = \"none\"",
+    ];
+    for feature in features {
+        let datapath = Datapath::open(feature, &[]).expect("valid");
+        let (mut hits, mut met) = (vec![QuadboxResult::default(); 300], vec![TriangleResult::default(); 300]);
+        datapath.quadbox(&rays, &boxes, &mut hits).expect("equal lengths");
+        datapath.triangle(&rays, &triangles, &mut met).expect("equal lengths");
+        let arrays = hits.iter().zip(&met).flat_map(|(hit, met)| [Outcome::Quadbox(*hit), Outcome::Triangle(*met)]);
+        let arrays: Vec<Outcome> = arrays.collect();
+        assert_eq!(through_pipeline(&datapath, &rays, &boxes, &triangles), arrays, "{feature}");
+        assert!(met.iter().filter(|met| met.triangle_hit == 1).count() > 3, "{feature}");
+    }
+}
+
 /// Sums that round are the same bits whether SIMD lanes compute them or the words at the ports.
 #[test]
 fn all_ways_round_alike() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let [a, b] = [(); 2].map(|()| (0..50 * 77).map(|_| random.random_range(-1.0..1.0)).collect::<Vec<f32>>());
     for lanes in [2, 4, 8, 16, 32, 64] {
-        let sums = |feature: &str| {
+        for feature in ["tag = 1", "accumulators = 2", "rounding = \"sum\""] {
             let datapath = Datapath::open(&format!("lanes = {lanes}\n{feature}"), &[]).expect("valid");
             let mut sums = [(); 3].map(|()| vec![0.0; 50]);
             let [distances, dots, norms] = &mut sums;
             datapath.euclidean(&a, &b, 77, distances).expect("equal lengths");
             datapath.angular(&a, &b, 77, dots, norms).expect("equal lengths");
-            sums
-        };
-        assert_eq!(sums(""), sums("tag = 1"), "{lanes} lanes");
+            let mut pipeline = Pipeline::new(&datapath);
+            let mut last = |a: &[f32], b: &[f32], lanes: usize, is_angular: bool| {
+                let mut outcome = None;
+                for first in (0..77).step_by(lanes) {
+                    let count = lanes.min(77 - first);
+                    let padded = |of: &[f32]| [&of[first..first + count], &vec![0.0; lanes - count]].concat();
+                    let (a, b) = (padded(a), padded(b));
+                    let mask = u64::MAX >> (64 - count);
+                    let beat = Beat { a: &a, b: &b, mask, reset_accum: first + lanes >= 77 };
+                    let job = if is_angular { Job::Angular(beat) } else { Job::Euclidean(beat) };
+                    while !pipeline.offer(&job, 0).expect("a beat") {
+                        pipeline.step(true);
+                    }
+                    pipeline.skip(1000);
+                    outcome = pipeline.step(true).map(|left| left.outcome);
+                }
+                outcome.expect("an outcome")
+            };
+            for row in 0..50 {
+                let (a, b) = (&a[77 * row..77 * (row + 1)], &b[77 * row..77 * (row + 1)]);
+                let Outcome::Euclidean(found) = last(a, b, lanes, false) else { panic!("another outcome") };
+                assert_eq!(found.accumulator, sums[0][row], "{lanes} lanes, {feature}");
+                let Outcome::Angular(found) = last(a, b, lanes / 2, true) else { panic!("another outcome") };
+                assert_eq!((found.dot_product, found.norm), (sums[1][row], sums[2][row]), "{lanes} lanes, {feature}");
+            }
+        }
     }
 }
 

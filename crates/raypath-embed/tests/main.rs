@@ -3,3 +3,4 @@
 mod formats;
 mod instances;
 mod recorded;
+mod saved;

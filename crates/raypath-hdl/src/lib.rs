@@ -22,6 +22,8 @@
 //! # Ok::<(), raypath_hdl::Error>(())
 //! ```
 
+#![cfg_attr(not(feature = "simulator"), allow(dead_code))] // what only a simulation reads
+
 mod builder;
 mod depth;
 mod error;
@@ -30,7 +32,12 @@ mod expose;
 mod flatten;
 mod formula;
 mod graph;
+#[cfg(feature = "simulator")]
 mod jit;
+#[cfg(not(feature = "simulator"))]
+mod no_jit;
+#[cfg(not(feature = "simulator"))]
+use no_jit as jit;
 pub mod mutate;
 mod names;
 mod netlist;

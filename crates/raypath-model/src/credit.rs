@@ -25,6 +25,11 @@ struct Gate {
     closed_for: u64,
 }
 
+crate::state! {
+    Credits { credits, moving, arrived, gates }
+    Gate { closed_for }
+}
+
 impl Credits {
     pub fn new(shape: &Shape) -> Self {
         let gates = shape.loops().map(|around| Gate { around, closed_for: 0 }).collect();

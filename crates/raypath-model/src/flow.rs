@@ -4,6 +4,7 @@ use crate::credit::Credits;
 use crate::folded::Folded;
 use crate::shape::{Control, PipelinePosition, Shape};
 use crate::skid::SkidBuffers;
+use crate::{State, StateWords};
 
 /// The cycle-exact control of a pipeline of some [`Shape`]: how many items are inside and where, but not which.
 /// [`Elastic`](crate::Elastic) adds the items.
@@ -26,6 +27,12 @@ macro_rules! each_control {
             Kind::Folded($control) => $result,
         }
     };
+}
+
+impl State for Flow {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        each_control!(&mut self.0, control => control.pass(words));
+    }
 }
 
 impl Flow {

@@ -1,6 +1,7 @@
 //! A folded pipeline: jobs at least an interval apart, each of which takes several cycles in a stage.
 
 use crate::shape::{Control, Occupancy, PipelinePosition, Shape, highest};
+use crate::{State, StateWords};
 
 /// The control of a folded pipeline. Jobs move from position 0 to the last position, and then to the exit, which shows
 /// the oldest job to the sink.
@@ -32,6 +33,16 @@ enum Admission {
         /// The number of cycles in which no job may enter, because another one has entered.
         closed_for: u64,
     },
+}
+
+crate::state! { Folded { at, arrived, admission } }
+
+impl State for Admission {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        if let Self::Credits { closed_for, .. } = self {
+            closed_for.pass(words);
+        }
+    }
 }
 
 /// The jobs that the exit of an elastic pipeline holds.

@@ -1,4 +1,4 @@
-use crate::{Model, ModelCircuit};
+use crate::{Model, ModelCircuit, State, StateWords};
 use raypath_ops::{
     Angular, AngularOutput, AngularState, BeatInput, Binary32, Euclidean, EuclideanOutput, EuclideanState, Job,
     JobKind, Operation, Outcome, RayBox, RayBoxInput, RayBoxOutput, RayTriangle, RayTriangleInput, RayTriangleOutput,
@@ -14,6 +14,13 @@ pub struct Functional<const E: usize = 16, const A: usize = 8, C: ModelCircuit =
     rounding: Rounding,
     euclidean: EuclideanState<C>,
     angular: AngularState<C>,
+}
+
+impl<const E: usize, const A: usize> State for Functional<E, A> {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        words.bundle(&mut self.euclidean);
+        words.bundle(&mut self.angular);
+    }
 }
 
 impl<const E: usize, const A: usize> Functional<E, A> {

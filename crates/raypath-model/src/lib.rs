@@ -40,6 +40,7 @@ mod packed;
 mod shape;
 mod skid;
 mod soft;
+mod state;
 mod word_model;
 mod words;
 
@@ -57,6 +58,7 @@ pub use model::{Kind, Model};
 pub use packed::{BLOCK, BlockSlice, BlockValue, Packed};
 pub use shape::{Control, Loop, PipelinePosition, Shape};
 pub use soft::{Soft, SoftNumber};
+pub use state::{State, StateWords, restore_state, saved_state};
 pub use word_model::{ModelOptions, WordModel, WordOperation};
 pub use words::{OperationId, Words};
 

@@ -29,6 +29,11 @@ struct Gate {
     pending: bool,
 }
 
+crate::state! {
+    SkidBuffers { front, spare, gates }
+    Gate { front, spare, pending }
+}
+
 impl SkidBuffers {
     pub fn new(shape: &Shape) -> Self {
         let gates = shape.loops().map(|around| Gate { around, front: 0, spare: 0, pending: false }).collect();

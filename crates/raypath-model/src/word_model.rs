@@ -1,5 +1,5 @@
 use crate::words::Ports;
-use crate::{Dynamic, Model, OperationId, Words};
+use crate::{Dynamic, Model, OperationId, State, StateWords, Words};
 use raypath_float::Format;
 use raypath_ops::{
     Binary32, Job, Operation, Outcome, Port, PortKind, from_words, ports_of, to_canonical_words, to_words,
@@ -52,6 +52,12 @@ struct Known {
 const TAG: &str = "tag";
 /// The width of the exceptions' port.
 const FLAGS: u32 = 4;
+
+impl State for WordModel {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        self.states.iter_mut().for_each(|state| words.list(state));
+    }
+}
 
 impl WordModel {
     /// The model of these operations, each with its opcode.

@@ -1,11 +1,15 @@
-//! Arrays of Python as slices of Rust, without copies.
+//! Arrays of Python as slices of Rust. Arrays of another type or order are converted if every value stays what it is.
 
 use crate::error::value_error;
+use crate::hits::TraceHit;
 use numpy::npyffi::_PyArray_GET_ITEM_DATA;
 use numpy::{PyArrayDescr, PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyBytes, PyDict, PyList};
 use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, UnitHit, UnitRay, Vertices};
+use std::marker::PhantomData;
+use std::ops::Deref;
 
 /// An item of an array: the numbers of one job.
 ///
@@ -37,6 +41,29 @@ macro_rules! items {
 items!(f32: [], [f32; 3]: [3], [f32; 16]: [16], [Bounds; 4]: [4, 2, 3], Vertices: [3, 3]);
 
 #[allow(unsafe_code)]
+// SAFETY: a word of 64 bits.
+unsafe impl Item for u64 {
+    const ELEMENT: &str = "uint64";
+    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+        PyArrayDescr::new(py, "u8")
+    }
+}
+
+/// A truth value of NumPy: a byte, false if it is 0.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy)]
+pub struct Truth(pub u8);
+
+#[allow(unsafe_code)]
+// SAFETY: a byte.
+unsafe impl Item for Truth {
+    const ELEMENT: &str = "bool";
+    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+        PyArrayDescr::new(py, "?")
+    }
+}
+
+#[allow(unsafe_code)]
 // SAFETY: three words of 32 bits.
 unsafe impl Item for [u32; 3] {
     const SHAPE: &[usize] = &[3];
@@ -58,18 +85,23 @@ unsafe impl Item for [[f64; 4]; 3] {
 
 /// A structure with a name, a type and an offset for each field.
 macro_rules! structures {
-    ($($type:ty: $name:literal, [$($field:literal: $format:literal @ $offset:literal),*];)*) => {$(
+    ($($type:ty: $name:literal, [$($field:literal: $format:literal @ $offset:expr),*];)*) => {$(
         #[allow(unsafe_code)]
         // SAFETY: a structure of numbers, with the size of the type of the elements.
         unsafe impl Item for $type {
             const ELEMENT: &str = $name;
             fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
-                let description = PyDict::new(py);
-                description.set_item("names", [$($field),*])?;
-                description.set_item("formats", [$($format),*])?;
-                description.set_item("offsets", [$($offset),*])?;
-                description.set_item("itemsize", size_of::<Self>())?;
-                PyArrayDescr::new(py, description)
+                // One object for all arrays, so that it is recognised at once.
+                static DTYPE: PyOnceLock<Py<PyArrayDescr>> = PyOnceLock::new();
+                let dtype = DTYPE.get_or_try_init(py, || {
+                    let description = PyDict::new(py);
+                    description.set_item("names", [$($field),*])?;
+                    description.set_item("formats", [$($format),*])?;
+                    description.set_item("offsets", [$($offset),*])?;
+                    description.set_item("itemsize", size_of::<Self>())?;
+                    PyResult::Ok(PyArrayDescr::new(py, description)?.unbind())
+                });
+                Ok(dtype?.bind(py).clone())
             }
         }
     )*};
@@ -79,37 +111,15 @@ structures! {
         "extent": "f4" @ 36, "shear": "(3,)f4" @ 40, "kx": "u4" @ 52, "ky": "u4" @ 56, "kz": "u4" @ 60];
     UnitRay: "raypath.UNIT_RAY", ["origin": "(3,)f4" @ 0, "direction": "(3,)f4" @ 12, "t_min": "f4" @ 24,
         "t_max": "f4" @ 28, "any_hit": "u4" @ 32, "cull": "u4" @ 36, "root": "u4" @ 40];
+    // A truth value is a word of 32 bits of value 0 or 1, shown as its least significant byte. Indices are signed, so
+    // that -1 is none.
+    TriangleResult: "triangle", ["t_num": "f4" @ 0, "t_denom": "f4" @ 4, "triangle_hit": "?" @ 8 + LEAST_BYTE];
+    TraceHit: "trace", ["triangle": "i4" @ 0, "t": "f4" @ 4, "t_num": "f4" @ 8, "t_denom": "f4" @ 12,
+        "back_face": "?" @ 16 + LEAST_BYTE];
+    UnitHit: "hit", ["status": "u4" @ 0, "triangle": "i4" @ 4, "instance": "i4" @ 8, "t": "f4" @ 12, "t_num": "f4" @ 16,
+        "t_denom": "f4" @ 20, "u": "f4" @ 24, "v": "f4" @ 28, "back_face": "?" @ 32 + LEAST_BYTE, "nodes": "u4" @ 36,
+        "triangles": "u4" @ 40];
     QuadboxResult: "quadbox", ["tmin": "(4,)f4" @ 0, "is_intersect": "(4,)?" @ 16, "box_index": "(4,)u1" @ 20];
-}
-
-#[allow(unsafe_code)]
-// SAFETY: as above. `triangle_hit` is a word of 32 bits of value 0 or 1, shown as its least significant byte.
-unsafe impl Item for TriangleResult {
-    const ELEMENT: &str = "triangle";
-    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
-        let description = PyDict::new(py);
-        description.set_item("names", ["t_num", "t_denom", "triangle_hit"])?;
-        description.set_item("formats", ["f4", "f4", "?"])?;
-        description.set_item("offsets", [0, 4, 8 + LEAST_BYTE])?;
-        description.set_item("itemsize", size_of::<Self>())?;
-        PyArrayDescr::new(py, description)
-    }
-}
-
-#[allow(unsafe_code)]
-// SAFETY: as above. `back_face` is a word of 32 bits of value 0 or 1, shown as its least significant byte.
-unsafe impl Item for UnitHit {
-    const ELEMENT: &str = "hit";
-    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
-        let description = PyDict::new(py);
-        let names =
-            ["status", "triangle", "instance", "t", "t_num", "t_denom", "u", "v", "back_face", "nodes", "triangles"];
-        description.set_item("names", names)?;
-        description.set_item("formats", ["u4", "u4", "u4", "f4", "f4", "f4", "f4", "f4", "?", "u4", "u4"])?;
-        description.set_item("offsets", [0, 4, 8, 12, 16, 20, 24, 28, 32 + LEAST_BYTE, 36, 40])?;
-        description.set_item("itemsize", size_of::<Self>())?;
-        PyArrayDescr::new(py, description)
-    }
 }
 
 /// The least significant byte of a word of 32 bits.
@@ -120,18 +130,55 @@ pub fn dtype<T: Item>(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
     T::dtype(py)
 }
 
+/// The items of an array, which lives as long as they do.
+pub struct Items<'py, T> {
+    array: Bound<'py, PyUntypedArray>,
+    count: usize,
+    items: PhantomData<T>,
+}
+
+impl<'py, T: Item> Items<'py, T> {
+    /// The first `count` items of an array that was checked.
+    fn new(array: Bound<'py, PyUntypedArray>, count: usize) -> Self {
+        Self { array, count, items: PhantomData }
+    }
+}
+
+impl<T: Item> Deref for Items<'_, T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        if self.count == 0 {
+            return &[];
+        }
+        #[allow(unsafe_code)]
+        // SAFETY: `checked` found the type, the shape, the order and the alignment. The array lives as long as `self`.
+        // Another thread of Python that writes to an input during a call changes the results, as with NumPy's
+        // functions.
+        unsafe {
+            std::slice::from_raw_parts(data(&self.array).cast(), self.count)
+        }
+    }
+}
+
 /// The items of an array of the shape (n, *`T::SHAPE`).
 ///
 /// # Errors
-/// An object that is not an array; another type or shape; an array that is not contiguous.
-pub fn items<'a, T: Item>(array: &'a Bound<'_, PyAny>, name: &str) -> PyResult<&'a [T]> {
+/// An object that is not an array; another shape; a type that cannot be converted without a loss.
+pub fn items<'py, T: Item>(array: &Bound<'py, PyAny>, name: &str) -> PyResult<Items<'py, T>> {
     let checked = checked::<T>(array, name, 1, T::SHAPE)?;
-    Ok(contents(checked, checked.shape()[0]))
+    let count = checked.shape()[0];
+    Ok(Items::new(checked, count))
 }
 
 /// As [`items`], for an array of `count` items, as many as the argument `like` has.
-pub fn items_like<'a, T: Item>(array: &'a Bound<'_, PyAny>, name: &str, count: usize, like: &str) -> PyResult<&'a [T]> {
-    let items = items(array, name)?;
+pub fn items_like<'py, T: Item>(
+    array: &Bound<'py, PyAny>,
+    name: &str,
+    count: usize,
+    like: &str,
+) -> PyResult<Items<'py, T>> {
+    let items = items::<T>(array, name)?;
     if items.len() == count {
         return Ok(items);
     }
@@ -141,45 +188,70 @@ pub fn items_like<'a, T: Item>(array: &'a Bound<'_, PyAny>, name: &str, count: u
 
 /// One item: an array of the shape `T::SHAPE`.
 pub fn item<T: Item>(array: &Bound<'_, PyAny>, name: &str) -> PyResult<T> {
-    contents(checked::<T>(array, name, 0, T::SHAPE)?, 1).first().copied().ok_or_else(|| value_error("no item"))
+    let items = Items::<T>::new(checked::<T>(array, name, 0, T::SHAPE)?, 1);
+    items.first().copied().ok_or_else(|| value_error("no item"))
+}
+
+/// An item of an array of structures, or an array of one item.
+pub fn structure<T: Item>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<T> {
+    let py = value.py();
+    if value.getattr_opt("dtype")?.is_some_and(|dtype| T::dtype(py).is_ok_and(|own| dtype.is(&own))) {
+        let bytes = value.call_method0("tobytes")?.cast_into::<PyBytes>()?;
+        if bytes.as_bytes().len() == size_of::<T>() {
+            #[allow(unsafe_code)]
+            // SAFETY: as many bytes as the type has, of which every pattern is a value.
+            return Ok(unsafe { bytes.as_bytes().as_ptr().cast::<T>().read_unaligned() });
+        }
+    }
+    match &*items::<T>(&py.import("numpy")?.call_method1("ravel", (value,))?, name)? {
+        [item] => Ok(*item),
+        items => Err(value_error(format!("{name}: found {} rays, expected 1", items.len()))),
+    }
 }
 
 /// The numbers of an array of the shape (n, k) with n and k.
-pub fn matrix<'a>(array: &'a Bound<'_, PyAny>, name: &str) -> PyResult<(&'a [f32], usize, usize)> {
+pub fn matrix<'py>(array: &Bound<'py, PyAny>, name: &str) -> PyResult<(Items<'py, f32>, usize, usize)> {
     let array = checked::<f32>(array, name, 2, &[])?;
     let (rows, columns) = (array.shape()[0], array.shape()[1]);
-    Ok((contents(array, rows * columns), rows, columns))
+    Ok((Items::new(array, rows * columns), rows, columns))
 }
 
-/// The array, if it has `free` dimensions of any length, then those of `tail`, and elements of `T`.
-fn checked<'a, 'py, T: Item>(
-    array: &'a Bound<'py, PyAny>,
+/// The array, if it has `free` dimensions of any length, then those of `tail`, and elements of `T` or such that convert
+/// to them without a loss; in C order.
+fn checked<'py, T: Item>(
+    array: &Bound<'py, PyAny>,
     name: &str,
     free: usize,
     tail: &[usize],
-) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let (py, element) = (array.py(), T::ELEMENT);
     let letters = ["n", "k"].into_iter().take(free).map(str::to_string);
     let lengths: Vec<String> = letters.chain(tail.iter().map(usize::to_string)).collect();
-    let expected = format!("expected a C-contiguous {} array of shape {}", T::ELEMENT, tuple(&lengths));
+    let expected = format!("expected a {element} array of shape {}", tuple(&lengths));
     let Ok(array) = array.cast::<PyUntypedArray>() else {
         return Err(value_error(format!("{name}: found {}, {expected}", array.get_type().name()?)));
     };
-    let (found, dtype) = (array.shape(), array.dtype());
-    if found.len() != free + tail.len() || found[free..] != *tail || !dtype.is_equiv_to(&T::dtype(array.py())?) {
-        let convert = match (dtype.to_string().as_str(), T::ELEMENT) {
-            ("float64" | "float16", "float32") | ("float32" | "float16", "float64") => {
-                format!("; {name}.astype(numpy.{}) converts", T::ELEMENT)
-            }
-            _ => String::new(),
-        };
-        let found = format!("a {dtype} array of shape {}", shape(found));
-        return Err(value_error(format!("{name}: found {found}, {expected}{convert}")));
+    let (found, own, dtype) = (array.shape(), array.dtype(), T::dtype(py)?);
+    let problem = |why: &str| {
+        let found = format!("a {own} array of shape {}", shape(found));
+        Err(value_error(format!("{name}: found {found}, {expected}{why}")))
+    };
+    if found.len() != free + tail.len() || found[free..] != *tail {
+        return problem("");
     }
-    if !array.is_c_contiguous() || !data(array).cast::<T>().is_aligned() {
-        let found = format!("an array that is not contiguous, with strides {:?}", array.strides());
-        return Err(value_error(format!("{name}: found {found}, {expected}; numpy.ascontiguousarray copies it")));
+    if own.is_equiv_to(&dtype) && array.is_c_contiguous() && data(array).cast::<T>().is_aligned() {
+        return Ok(array.clone());
     }
-    Ok(array)
+    let converted = py.import("raypath._arrays")?.call_method1("lossless", (array, dtype))?;
+    if let Ok(converted) = converted.cast_into::<PyUntypedArray>() {
+        return Ok(converted);
+    }
+    match element {
+        "float32" | "float64" | "uint32" | "uint64" => {
+            problem(&format!("; some values would change: {name}.astype(numpy.{element}) converts all the same"))
+        }
+        _ => problem(""),
+    }
 }
 
 fn tuple(lengths: &[String]) -> String {
@@ -198,19 +270,6 @@ fn data(array: &Bound<'_, PyUntypedArray>) -> *mut u8 {
     }
 }
 
-/// The items of an array that was checked.
-fn contents<'a, T: Item>(array: &'a Bound<'_, PyUntypedArray>, count: usize) -> &'a [T] {
-    if count == 0 {
-        return &[];
-    }
-    #[allow(unsafe_code)]
-    // SAFETY: `checked` found the type, the shape, the order and the alignment. The array lives as long as the borrow.
-    // Another thread of Python that writes to an input during a call changes the results, as with NumPy's functions.
-    unsafe {
-        std::slice::from_raw_parts(data(array).cast(), count)
-    }
-}
-
 /// A new array of `count` items of zeros.
 pub struct Output<'py> {
     array: Bound<'py, PyUntypedArray>,
@@ -225,16 +284,14 @@ impl<'py> Output<'py> {
 
     /// The items, if the array was made for items of `T`.
     pub fn items<T: Item>(&mut self) -> PyResult<&mut [T]> {
-        let name = "output";
-        let array = checked::<T>(self.array.as_any(), name, 1, &[])?;
-        let count = array.shape()[0];
+        let count = checked::<T>(self.array.as_any(), "output", 1, &[])?.shape()[0];
         if count == 0 {
             return Ok(&mut []);
         }
         #[allow(unsafe_code)]
         // SAFETY: `checked` found the type, the shape, the order and the alignment. No other object refers to the array
         // before `into_array`, and the borrow is exclusive.
-        Ok(unsafe { std::slice::from_raw_parts_mut(data(array).cast(), count) })
+        Ok(unsafe { std::slice::from_raw_parts_mut(data(&self.array).cast(), count) })
     }
 
     /// The array for Python.
@@ -289,12 +346,14 @@ pub fn rays<'py>(
     };
     let mut output = Output::new::<Ray>(py, origins.len())?;
     let rays = output.items::<Ray>()?;
+    let (all, each) = match &extents {
+        Extents::All(extent) => (*extent, None),
+        Extents::Each(extents) => (0.0, Some(&**extents)),
+    };
+    let (origins, directions) = (&*origins, &*directions);
     py.detach(|| {
         for (row, ray) in rays.iter_mut().enumerate() {
-            let extent = match extents {
-                Extents::All(extent) => extent,
-                Extents::Each(extents) => extents[row],
-            };
+            let extent = each.map_or(all, |extents| extents[row]);
             *ray = Ray::new(origins[row], directions[row], extent)
                 .map_err(|problem| value_error(format!("row {row}: {problem}")))?;
         }
@@ -303,8 +362,7 @@ pub fn rays<'py>(
     Ok(output.into_array())
 }
 
-#[derive(Clone, Copy)]
-enum Extents<'e> {
+enum Extents<'py> {
     All(f32),
-    Each(&'e [f32]),
+    Each(Items<'py, f32>),
 }

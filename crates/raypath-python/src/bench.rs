@@ -41,6 +41,7 @@ pub fn rust_seconds(
     match operation {
         "quadbox" => {
             let (rays, boxes) = (items::<Ray>(first, "first")?, items::<[Bounds; 4]>(second, "second")?);
+            let (rays, boxes) = (&*rays, &*boxes);
             let job = |(ray, boxes): (&Ray, &[Bounds; 4])| RayBoxInput {
                 ray: ray.into(),
                 aabb: boxes.each_ref().map(Into::into),
@@ -59,6 +60,7 @@ pub fn rust_seconds(
         }
         "triangle" => {
             let (rays, triangles) = (items::<Ray>(first, "first")?, items::<Vertices>(second, "second")?);
+            let (rays, triangles) = (&*rays, &*triangles);
             let job =
                 |(ray, triangle): (&Ray, &Vertices)| RayTriangleInput { ray: ray.into(), triangle: triangle.into() };
             py.detach(|| {
@@ -75,6 +77,7 @@ pub fn rust_seconds(
         }
         "euclidean" => {
             let (a, b) = (items::<[f32; 16]>(first, "first")?, items::<[f32; 16]>(second, "second")?);
+            let (a, b) = (&*a, &*b);
             let job = |(a, b): (&[f32; 16], &[f32; 16])| {
                 let (a, b) = (a.map(Into::into), b.map(Into::into));
                 BeatInput { euclidean: Beat { a, b, mask: Flags::from_mask(u64::MAX), reset_accum: true.into() } }

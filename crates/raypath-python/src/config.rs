@@ -34,6 +34,11 @@ pub fn chosen(
     Ok(chosen)
 }
 
+/// A configuration as TOML.
+pub fn toml(config: &Config) -> String {
+    parameters().map(|known| format!("{} = \"{}\"\n", known.name, known.get(config))).collect()
+}
+
 /// A configuration as text, or in the file of this path.
 fn configured(config: &Bound<'_, PyAny>, Around { names, set, .. }: &mut Around<'_>) -> PyResult<Config> {
     match config.extract::<String>() {

@@ -1,15 +1,15 @@
 //! The class `Datapath`.
 
-use crate::array::{Output, items, items_like, matrix};
-use crate::config::{Around, chosen};
+use crate::array::{Items, Output, items, items_like, matrix};
+use crate::config::{Around, chosen, toml};
 use crate::error::{exception, value_error};
 use crate::hits::{QuadboxHits, TriangleHits};
 use crate::tables;
+use crate::watch::in_pieces;
 use crate::words::{outcomes, words_of};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use raypath_embed::{self as embed, Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
-use raypath_rtl::parameters;
 use raypath_rtl::report::picture;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,9 +19,9 @@ use std::sync::Arc;
 /// It does not change, so that threads can share it. Its methods release the interpreter lock while they compute.
 /// Arrays of jobs start with accumulators of zero.
 ///
-/// Inputs are C-contiguous arrays of exactly the stated type. They are neither copied nor converted: an array of
-/// another type or shape, or one that is not contiguous, raises ``ValueError``. NaN and infinity are computed as the
-/// hardware computes them; every NaN in a result is the canonical NaN.
+/// Inputs are arrays of the stated shape. C-contiguous arrays of the stated type are not copied; others are converted
+/// if every value stays what it is, and raise ``ValueError`` if not. NaN and infinity are computed as the hardware
+/// computes them; every NaN in a result is the canonical NaN.
 ///
 /// Args:
 ///     preset: the name of a configuration that the others change; ``raypath.presets()`` lists them. "paper" if neither
@@ -94,8 +94,7 @@ impl Datapath {
     /// The configuration as TOML, which ``Datapath(config=...)`` and ``--config`` read.
     #[getter]
     fn config(&self) -> String {
-        let config = self.inner.config();
-        parameters().map(|known| format!("{} = \"{}\"\n", known.name, known.get(&config))).collect()
+        toml(&self.inner.config())
     }
 
     /// Tests each ray against four boxes, and sorts the four boxes of each job.
@@ -121,9 +120,9 @@ impl Datapath {
         let rays = items::<Ray>(rays, "rays")?;
         let boxes = items_like::<[Bounds; 4]>(boxes, "boxes", rays.len(), "rays")?;
         let mut output = Output::new::<QuadboxResult>(py, rays.len())?;
-        let results = output.items()?;
-        py.detach(|| self.inner.quadbox(rays, boxes, results)).map_err(exception)?;
-        Ok(QuadboxHits::new(output.into_array()))
+        let (rays, boxes, results) = (&*rays, &*boxes, output.items()?);
+        in_pieces(py, rays.len(), |at| self.inner.quadbox(&rays[at.clone()], &boxes[at.clone()], &mut results[at]))?;
+        Ok(QuadboxHits::of(output.into_array(), None))
     }
 
     /// Tests each ray against a triangle, which is hit from the side where its vertices run counter-clockwise.
@@ -153,9 +152,11 @@ impl Datapath {
         let rays = items::<Ray>(rays, "rays")?;
         let triangles = items_like::<Vertices>(triangles, "triangles", rays.len(), "rays")?;
         let mut output = Output::new::<TriangleResult>(py, rays.len())?;
-        let results = output.items()?;
-        py.detach(|| self.inner.triangle(rays, triangles, results)).map_err(exception)?;
-        Ok(TriangleHits::new(output.into_array()))
+        let (rays, triangles, results) = (&*rays, &*triangles, output.items()?);
+        in_pieces(py, rays.len(), |at| {
+            self.inner.triangle(&rays[at.clone()], &triangles[at.clone()], &mut results[at])
+        })?;
+        Ok(TriangleHits::of(output.into_array(), None))
     }
 
     /// The squared Euclidean distance of each pair of vectors, added in the order of the hardware.
@@ -183,8 +184,11 @@ impl Datapath {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (a, b, count, dimensions) = pairs(["a", "b"], a, b)?;
         let mut output = Output::new::<f32>(py, count)?;
-        let distances = output.items()?;
-        py.detach(|| self.inner.euclidean(a, b, dimensions, distances)).map_err(exception)?;
+        let (a, b, distances) = (&*a, &*b, output.items()?);
+        in_pieces(py, count, |at| {
+            let numbers = dimensions * at.start..dimensions * at.end;
+            self.inner.euclidean(&a[numbers.clone()], &b[numbers], dimensions, &mut distances[at])
+        })?;
         Ok(output.into_array())
     }
 
@@ -215,8 +219,12 @@ impl Datapath {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (q, c, count, dimensions) = pairs(["q", "c"], q, c)?;
         let (mut dots, mut norms) = (Output::new::<f32>(py, count)?, Output::new::<f32>(py, count)?);
-        let (to_dots, to_norms) = (dots.items()?, norms.items()?);
-        py.detach(|| self.inner.angular(q, c, dimensions, to_dots, to_norms)).map_err(exception)?;
+        let (q, c, to_dots, to_norms) = (&*q, &*c, dots.items()?, norms.items()?);
+        in_pieces(py, count, |at| {
+            let numbers = dimensions * at.start..dimensions * at.end;
+            let (q, c) = (&q[numbers.clone()], &c[numbers]);
+            self.inner.angular(q, c, dimensions, &mut to_dots[at.clone()], &mut to_norms[at])
+        })?;
         Ok((dots.into_array(), norms.into_array()))
     }
 
@@ -329,11 +337,11 @@ impl Datapath {
 }
 
 /// Two arrays of n vectors of k dimensions, with n and k.
-fn pairs<'a>(
+fn pairs<'py>(
     [name_a, name_b]: [&str; 2],
-    a: &'a Bound<'_, PyAny>,
-    b: &'a Bound<'_, PyAny>,
-) -> PyResult<(&'a [f32], &'a [f32], usize, usize)> {
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
+) -> PyResult<(Items<'py, f32>, Items<'py, f32>, usize, usize)> {
     let (a, count, dimensions) = matrix(a, name_a)?;
     let (b, rows, columns) = matrix(b, name_b)?;
     if (rows, columns) != (count, dimensions) {

@@ -1,6 +1,6 @@
 //! The classes `Job` and `Outcome` of a pipeline.
 
-use crate::array::{item, items};
+use crate::array::{item, items, structure};
 use crate::datapath::Datapath;
 use crate::error::{exception, value_error};
 use crate::tables::row;
@@ -37,7 +37,7 @@ impl Job {
     ///     ValueError: another type or shape.
     #[staticmethod]
     fn quadbox(ray: &Bound<'_, PyAny>, boxes: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Ok(Self(Kind::Quadbox { ray: one_ray(ray)?, boxes: item(boxes, "boxes")? }))
+        Ok(Self(Kind::Quadbox { ray: structure(ray, "ray")?, boxes: item(boxes, "boxes")? }))
     }
 
     /// A ray against a triangle.
@@ -50,7 +50,7 @@ impl Job {
     ///     ValueError: another type or shape.
     #[staticmethod]
     fn triangle(ray: &Bound<'_, PyAny>, triangle: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Ok(Self(Kind::Triangle { ray: one_ray(ray)?, triangle: item(triangle, "triangle")? }))
+        Ok(Self(Kind::Triangle { ray: structure(ray, "ray")?, triangle: item(triangle, "triangle")? }))
     }
 
     /// A beat of a Euclidean distance: the squared distance of up to ``lanes`` coordinates is added to the accumulator.
@@ -157,16 +157,6 @@ fn beat(is_angular: bool, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, mask: Opti
     let all = u64::MAX >> (64 - a.len());
     let (a, b, mask) = (a.to_vec(), b.to_vec(), mask.unwrap_or(all) & all);
     Ok(Job(Kind::Beat { is_angular, a, b, mask, reset_accum: reset }))
-}
-
-/// An item of an array of rays, or an array of one ray.
-fn one_ray(ray: &Bound<'_, PyAny>) -> PyResult<Ray> {
-    let array = ray.py().import("numpy")?.call_method1("ravel", (ray,))?;
-    let rays = items::<Ray>(&array, "ray")?;
-    match rays {
-        [ray] => Ok(*ray),
-        _ => Err(value_error(format!("ray: found {} rays, expected 1", rays.len()))),
-    }
 }
 
 /// The outcome of a job that left a ``Pipeline``.

@@ -34,13 +34,13 @@ mod _raypath {
     #[pymodule_export]
     use crate::datapath::Datapath;
     #[pymodule_export]
-    use crate::hits::{QuadboxHits, TriangleHits, UnitHits};
+    use crate::hits::{QuadboxHits, Trace, TriangleHits, UnitHits};
     #[pymodule_export]
     use crate::job::{Job, Outcome};
     #[pymodule_export]
     use crate::pipeline::Pipeline;
     #[pymodule_export]
-    use crate::render::{Rendering, Trace, render, trace};
+    use crate::render::{PyScene, Rendering, render, trace};
     #[pymodule_export]
     use crate::search::{Search, search};
     #[pymodule_export]

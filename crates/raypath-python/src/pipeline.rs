@@ -4,6 +4,7 @@ use crate::datapath::Datapath;
 use crate::error::exception;
 use crate::job::{Job, Outcome};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use raypath_embed as embed;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -30,6 +31,7 @@ pub struct Pipeline {
     // Not locked: the mutex only makes the pipeline shareable between threads, as a class must be.
     inner: Mutex<embed::Pipeline>,
     datapath: Arc<embed::Datapath>,
+    of: Py<Datapath>,
     operations: Vec<embed::OperationId>,
 }
 
@@ -43,9 +45,9 @@ impl Pipeline {
 impl Pipeline {
     #[new]
     fn new(datapath: &Bound<'_, Datapath>) -> Self {
-        let datapath = datapath.get().inner.clone();
+        let (of, datapath) = (datapath.clone().unbind(), datapath.get().inner.clone());
         let inner = Mutex::new(embed::Pipeline::new(&datapath));
-        Self { inner, operations: datapath.operations(), datapath }
+        Self { inner, operations: datapath.operations(), datapath, of }
     }
 
     /// Offers a job in this cycle.
@@ -110,6 +112,32 @@ impl Pipeline {
     fn input_ready(&mut self, operation: &str) -> PyResult<bool> {
         let opcode = self.datapath.operation(operation).map_err(exception)?.opcode();
         Ok(self.inner().input_ready(opcode))
+    }
+
+    /// The whole state as bytes, for ``restore``.
+    fn save<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.inner().save())
+    }
+
+    /// Takes over a state that a pipeline of an equal datapath saved, in this release of raypath.
+    ///
+    /// Raises:
+    ///     ValueError: other bytes. Then nothing changes.
+    fn restore(&mut self, state: &Bound<'_, PyBytes>) -> PyResult<()> {
+        self.inner().restore(state.as_bytes()).map_err(exception)
+    }
+
+    /// The arguments that make a pipeline of the same datapath, for ``copy`` and ``pickle``.
+    fn __getnewargs__(&self, py: Python<'_>) -> (Py<Datapath>,) {
+        (self.of.clone_ref(py),)
+    }
+
+    fn __getstate__<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        self.save(py)
+    }
+
+    fn __setstate__(&mut self, state: &Bound<'_, PyBytes>) -> PyResult<()> {
+        self.restore(state)
     }
 
     /// A cycle of reset: all jobs are lost, and the accumulators are zero.

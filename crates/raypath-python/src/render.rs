@@ -1,14 +1,16 @@
 //! Rendering and tracing.
 
-use crate::array::items;
+use crate::array::{Output, items};
 use crate::datapath::Datapath;
 use crate::error::value_error;
+use crate::hits::{Trace, TraceHit};
 use crate::tables::{list, row};
 use crate::timing::{figures, plain, system};
-use crate::watch::watched;
+use crate::unit::warn_beyond;
+use crate::watch::{abandoned_at_signals, watched};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyList};
+use pyo3::types::{PyBytes, PyDict, PyList, PyTuple};
 use raypath_embed::Ray;
 use raypath_ops as ops;
 use raypath_render::{
@@ -16,6 +18,7 @@ use raypath_render::{
     time_picture, time_rays, to_png, trace_closest,
 };
 use raypath_timing::{Sample, System, Timing};
+use std::sync::Arc;
 
 /// A rendered picture with its cost and its simulated timing.
 #[pyclass(module = "raypath", frozen)]
@@ -58,7 +61,7 @@ impl Rendering {
         list(py, rows)
     }
 
-    /// The figures of the simulation (see ``raypath.render``), or None with ``timed=0``. An agent is a pixel.
+    /// The figures of the simulation (see ``raypath.render``), or None without ``timed``. An agent is a pixel.
     #[getter]
     fn timing<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         self.timing.as_ref().map(|(timing, system)| figures(py, timing, system)).transpose()
@@ -76,64 +79,99 @@ impl Rendering {
     }
 }
 
-/// The closest hits of n rays, and their simulated timing.
-#[pyclass(module = "raypath", frozen)]
-pub struct Trace {
-    hits: Vec<Option<Hit>>,
-    timing: Option<(Timing, System)>,
+/// A mesh with the tree of its boxes, which ``render`` and ``trace`` take.
+///
+/// It does not change, so that threads can share it. A scene that was pickled builds its tree again.
+///
+/// Args:
+///     vertices: float32 array of shape (n, 3): finite coordinates of magnitude at most 2**40.
+///     faces: uint32 array of shape (n, 3): the vertices of each triangle, counter-clockwise as seen from its front.
+///     reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further away
+///         may lose hits at the edges of boxes. 16 times the longest side of the mesh by default.
+///
+/// Raises:
+///     ValueError: another type or shape; a face of a vertex that does not exist; a coordinate or reach out of range.
+///     KeyboardInterrupt: after Ctrl-C. The building of a tree then ends in a thread of its own.
+///
+/// Example:
+///     >>> import numpy as np, raypath
+///     >>> scene = raypath.Scene(np.float32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+///     >>> rays = raypath.rays(np.float32([[0, 0, 4], [9, 0, 4]]), np.float32([[0, 0, -1], [0, 0, -1]]))
+///     >>> hits = raypath.trace(scene, rays)
+///     >>> hits.triangle, hits.t
+///     (array([ 0, -1], dtype=int32), array([ 4., inf], dtype=float32))
+#[pyclass(name = "Scene", module = "raypath", frozen)]
+pub struct PyScene {
+    inner: Arc<Scene>,
 }
 
 #[pymethods]
-impl Trace {
-    /// int64 array of shape (n,): the index of the triangle that each ray hits, -1 for a miss.
+impl PyScene {
+    #[new]
+    #[pyo3(signature = (vertices, faces, *, reach = None))]
+    fn new(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        faces: &Bound<'_, PyAny>,
+        reach: Option<f32>,
+    ) -> PyResult<Self> {
+        let vertices = items::<[f32; 3]>(vertices, "vertices")?.to_vec();
+        let faces = items::<[u32; 3]>(faces, "faces")?.to_vec();
+        if let Some(reach) = reach.filter(|reach| !(*reach >= 0.0 && reach.is_finite())) {
+            return Err(value_error(format!("reach: found {reach}, expected a finite number of at least 0")));
+        }
+        abandoned_at_signals(py, move || {
+            let mesh = Mesh::new(vertices, faces).map_err(value_error)?;
+            let scene = match reach {
+                None => Scene::new(mesh),
+                Some(reach) => Scene::with_reach(mesh, reach),
+            };
+            Ok(Self { inner: Arc::new(scene.map_err(value_error)?) })
+        })
+    }
+
+    /// The distance, along any axis, between a ray origin and a vertex up to which no hit is lost.
     #[getter]
-    fn triangle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        self.each(py, |hit| hit.map_or(-1, |hit| hit.triangle.into()))
+    fn reach(&self) -> f32 {
+        self.inner.reach()
     }
 
-    /// float32 array of shape (n,): the distance of the hit in units of the direction's length, infinity for a miss.
-    #[getter]
-    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        self.each(py, |hit| hit.map_or(f32::INFINITY, |hit| hit.t))
-    }
-
-    /// bool array of shape (n,): whether the ray hits the triangle from behind.
-    #[getter(from_behind)]
-    fn behind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        self.each(py, |hit| hit.is_some_and(|hit| hit.from_behind))
-    }
-
-    /// The figures of the simulation (see ``raypath.render``), or None with ``timed=0``. An agent is a ray.
-    #[getter]
-    fn timing<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        self.timing.as_ref().map(|(timing, system)| figures(py, timing, system)).transpose()
-    }
-
+    /// The number of triangles.
     fn __len__(&self) -> usize {
-        self.hits.len()
+        self.inner.mesh().triangles().len()
     }
 
     fn __repr__(&self) -> String {
-        let hits = self.hits.iter().flatten().count();
-        format!("<raypath.Trace: {hits} of {} rays hit>", self.hits.len())
+        format!("<raypath.Scene: {} triangles, reach {}>", self.__len__(), self.reach())
+    }
+
+    /// The arguments that make an equal scene, for ``pickle``.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        let mesh = self.inner.mesh();
+        let vertices = PyArray1::from_slice(py, mesh.positions().as_flattened());
+        let faces = PyArray1::from_slice(py, mesh.triangles().as_flattened());
+        let rows = |array: Bound<'py, PyAny>| array.call_method1("reshape", (-1, 3));
+        let arrays = [rows(vertices.into_any())?, rows(faces.into_any())?];
+        Ok((PyTuple::new(py, arrays)?, row!(py, "reach": self.reach())?))
     }
 }
 
-impl Trace {
-    fn each<'py, T: numpy::Element>(&self, py: Python<'py>, of: impl Fn(Option<&Hit>) -> T) -> Bound<'py, PyArray1<T>> {
-        PyArray1::from_iter(py, self.hits.iter().map(|hit| of(hit.as_ref())))
+impl PyScene {
+    /// Warns of rays from beyond the reach.
+    fn warn(&self, py: Python<'_>, origins: impl Iterator<Item = [f32; 3]>) -> PyResult<()> {
+        let bounds = self.inner.bounds();
+        warn_beyond(py, self.inner.reach(), origins.map(|origin| bounds.reach_from(origin)))
     }
 }
 
-/// Renders a mesh with the operations of a datapath, and simulates the timing.
+/// Renders a scene with the operations of a datapath; with ``timed``, also simulates the timing.
 ///
 /// The work is that of ``raypath render``: the box and triangle tests are jobs of the datapath; the stack of a ray, the
 /// division and the shading are done in software and take no time in the simulation. The simulation keeps
 /// ``rays_in_flight`` pixels before the pipeline, and every fetch of a node or leaf takes ``memory_latency`` cycles.
 ///
 /// Args:
-///     vertices: float32 array of shape (n, 3): finite coordinates of magnitude at most 2**40.
-///     faces: uint32 array of shape (n, 3): the vertices of each triangle, counter-clockwise as seen from its front.
+///     scene: the mesh.
 ///     eye: the position of the camera; without it, the camera sees the whole mesh.
 ///     target: the point at which the camera looks; the origin by default.
 ///     up: the direction that is upwards in the picture.
@@ -147,7 +185,7 @@ impl Trace {
 ///     datapath: a datapath in fp32 without features; the preset ``paper`` by default.
 ///     rays_in_flight: the number of pixels in flight in the simulation, at least 1.
 ///     memory_latency: cycles of a fetch in the simulation.
-///     timed: the simulation has this number of evenly spread pixels; 0 for no simulation.
+///     timed: the number of evenly spread pixels that are simulated; none by default.
 ///
 /// Returns:
 ///     The picture (``image``, also shown by notebooks), the jobs of each pixel (``jobs``), the rays with their hits
@@ -159,24 +197,26 @@ impl Trace {
 ///     (``starved_locked``).
 ///
 /// Raises:
-///     ValueError: another type or shape; a face of a vertex that does not exist; an argument out of range.
+///     ValueError: an argument out of range.
 ///     KeyboardInterrupt: after Ctrl-C.
+///
+/// Warns:
+///     UserWarning: the camera is beyond the ``reach`` of the scene.
 ///
 /// Example:
 ///     >>> import numpy as np, raypath
-///     >>> vertices = np.float32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]])
-///     >>> picture = raypath.render(vertices, np.uint32([[0, 1, 2]]), eye=(0, 0, 4), size=(64, 48))
+///     >>> scene = raypath.Scene(np.float32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+///     >>> picture = raypath.render(scene, eye=(0, 0, 4), size=(64, 48), timed=4000)
 ///     >>> picture.image.shape, picture.timing["quadbox"]
 ///     ((48, 64, 3), 3072)
 #[pyfunction]
-#[pyo3(signature = (vertices, faces, *, eye = None, target = [0.0; 3], up = [0.0, 1.0, 0.0], fov = 36.0,
+#[pyo3(signature = (scene, *, eye = None, target = [0.0; 3], up = [0.0, 1.0, 0.0], fov = 36.0,
     size = (640, 480), shadows = false, ao = 0, samples = 1, two_sided = false, seed = 1, datapath = None,
-    rays_in_flight = 256, memory_latency = 100, timed = 50_000))]
+    rays_in_flight = 256, memory_latency = 100, timed = 0))]
 #[allow(clippy::too_many_arguments)] // keywords of Python
 pub fn render(
     py: Python<'_>,
-    vertices: &Bound<'_, PyAny>,
-    faces: &Bound<'_, PyAny>,
+    scene: &Bound<'_, PyScene>,
     eye: Option<[f32; 3]>,
     target: [f32; 3],
     up: [f32; 3],
@@ -193,7 +233,6 @@ pub fn render(
     timed: usize,
 ) -> PyResult<Rendering> {
     let datapath = plain(datapath)?;
-    let mesh = mesh(py, vertices, faces)?;
     if size.0 == 0 || size.1 == 0 {
         return Err(value_error(format!("size: found {} x {} pixels, expected at least 1 x 1", size.0, size.1)));
     }
@@ -201,19 +240,20 @@ pub fn render(
         return Err(value_error(format!("ao: found {ao} rays, expected 0 to 4096")));
     }
     let camera = match eye {
-        None => Camera::framing(&mesh, size.0 as f32 / size.1 as f32),
+        None => Camera::framing(scene.get().inner.mesh(), size.0 as f32 / size.1 as f32),
         Some(eye) => Camera::new(eye, target, up, fov).map_err(|problem| value_error(format!("camera: {problem}")))?,
     };
     let tracing = Tracing { rules: datapath.config().semantics.rules_in_full(), two_sided };
     let shading = Shading { tracing, shadows, ambient_occlusion: ao, samples, seed };
     let system = system(&datapath, rays_in_flight, memory_latency);
+    scene.get().warn(py, [camera.eye()].into_iter())?;
+    let scene = &*scene.get().inner;
     watched(py, move |progress| {
-        let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(value_error)?;
-        let rendered = render_scene(&scene, &camera, size, &shading, progress).map_err(value_error)?;
+        let rendered = render_scene(scene, &camera, size, &shading, progress).map_err(value_error)?;
         let timing = match timed {
             0 => None,
             most => {
-                let spec = PictureSpec { scene: &scene, camera, size, shading };
+                let spec = PictureSpec { scene, camera, size, shading };
                 let sample = Sample::spread(rendered.jobs.len(), most);
                 let timing = time_picture(&spec, sample, &system, &mut (), progress).map_err(value_error)?.0;
                 Some((timing, system))
@@ -223,40 +263,37 @@ pub fn render(
     })
 }
 
-/// Traces rays to their closest hits with the operations of a datapath, and simulates the timing.
+/// Traces rays to their closest hits with the operations of a datapath; with ``timed``, also simulates the timing.
 ///
 /// Args:
-///     vertices: float32 array of shape (n, 3): finite coordinates of magnitude at most 2**40.
-///     faces: uint32 array of shape (n, 3): the vertices of each triangle, counter-clockwise as seen from its front.
+///     scene: the mesh.
 ///     rays: rays of ``raypath.rays``.
 ///     two_sided: whether triangles are hit from behind too.
 ///     datapath: a datapath in fp32 without features; the preset ``paper`` by default.
 ///     rays_in_flight: the number of rays in flight in the simulation, at least 1.
 ///     memory_latency: cycles of a fetch in the simulation.
-///     timed: the simulation has this number of evenly spread rays; 0 for no simulation.
+///     timed: the number of evenly spread rays that are simulated; none by default.
 ///
 /// Returns:
-///     The hits (``triangle``, ``t``, ``from_behind``) and the ``timing``, as that of ``raypath.render``.
+///     The hits (``triangle``, ``t``, ``t_num``, ``t_denom``, ``back_face``) and the ``timing``, as that of
+///     ``raypath.render``.
 ///
 /// Raises:
-///     ValueError: another type or shape; a face of a vertex that does not exist; an argument out of range.
+///     ValueError: another type or shape; an argument out of range.
 ///     KeyboardInterrupt: after Ctrl-C.
 ///
+/// Warns:
+///     UserWarning: a ray begins beyond the ``reach`` of the scene.
+///
 /// Example:
-///     >>> import numpy as np, raypath
-///     >>> vertices = np.float32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]])
-///     >>> rays = raypath.rays(np.float32([[0, 0, 4], [9, 0, 4]]), np.float32([[0, 0, -1], [0, 0, -1]]))
-///     >>> hits = raypath.trace(vertices, np.uint32([[0, 1, 2]]), rays)
-///     >>> hits.triangle, hits.t
-///     (array([ 0, -1]), array([ 4., inf], dtype=float32))
+///     See ``raypath.Scene``.
 #[pyfunction]
-#[pyo3(signature = (vertices, faces, rays, *, two_sided = false, datapath = None, rays_in_flight = 256,
-    memory_latency = 100, timed = 50_000))]
+#[pyo3(signature = (scene, rays, *, two_sided = false, datapath = None, rays_in_flight = 256, memory_latency = 100,
+    timed = 0))]
 #[allow(clippy::too_many_arguments)] // keywords of Python
 pub fn trace(
     py: Python<'_>,
-    vertices: &Bound<'_, PyAny>,
-    faces: &Bound<'_, PyAny>,
+    scene: &Bound<'_, PyScene>,
     rays: &Bound<'_, PyAny>,
     two_sided: bool,
     datapath: Option<&Bound<'_, Datapath>>,
@@ -265,27 +302,29 @@ pub fn trace(
     timed: usize,
 ) -> PyResult<Trace> {
     let datapath = plain(datapath)?;
-    let mesh = mesh(py, vertices, faces)?;
     let rays: Vec<ops::Ray<ops::Binary32>> = items::<Ray>(rays, "rays")?.iter().map(Into::into).collect();
     let tracing = Tracing { rules: datapath.config().semantics.rules_in_full(), two_sided };
     let system = system(&datapath, rays_in_flight, memory_latency);
-    watched(py, move |progress| {
-        let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(value_error)?;
-        let (hits, _) = trace_closest(&scene, &rays, tracing, progress).map_err(value_error)?;
-        let timing = match timed {
-            0 => None,
-            most => {
-                let batch = RayBatch { scene: &scene, rays: &rays, tracing };
-                let sample = Sample::spread(rays.len(), most);
-                Some((time_rays(&batch, sample, &system, &mut (), progress).map_err(value_error)?.0, system))
-            }
-        };
-        Ok(Trace { hits, timing })
-    })
+    scene.get().warn(py, rays.iter().map(|ray| ray.origin.into()))?;
+    let scene = &*scene.get().inner;
+    let mut output = Output::new::<TraceHit>(py, rays.len())?;
+    let rows = output.items()?;
+    let timing = watched(py, |progress| {
+        let (hits, _) = trace_closest(scene, &rays, tracing, progress).map_err(value_error)?;
+        rows.iter_mut().zip(&hits).for_each(|(row, hit)| *row = trace_hit(hit.as_ref()));
+        if timed == 0 {
+            return Ok(None);
+        }
+        let batch = RayBatch { scene, rays: &rays, tracing };
+        let sample = Sample::spread(rays.len(), timed);
+        Ok(Some(time_rays(&batch, sample, &system, &mut (), progress).map_err(value_error)?.0))
+    })?;
+    let timing = timing.map(|timing| figures(py, &timing, &system)).transpose()?;
+    Ok(Trace::of(output.into_array(), timing))
 }
 
-fn mesh(py: Python<'_>, vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<Mesh> {
-    let vertices = items::<[f32; 3]>(vertices, "vertices")?;
-    let faces = items::<[u32; 3]>(faces, "faces")?;
-    py.detach(|| Mesh::new(vertices.to_vec(), faces.to_vec())).map_err(value_error)
+fn trace_hit(hit: Option<&Hit>) -> TraceHit {
+    let Some(hit) = hit else { return TraceHit { triangle: -1, t: f32::INFINITY, ..TraceHit::default() } };
+    let Hit { triangle, from_behind, t_num, t_denom, t, .. } = *hit;
+    TraceHit { triangle: triangle.cast_signed(), t, t_num, t_denom, back_face: from_behind.into() }
 }

@@ -9,8 +9,8 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use raypath_search::{
-    Candidates, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbour, SearchError, SearchResults, SearchSpec,
-    Vectors, time_search,
+    Candidates, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbour, SearchResults, SearchSpec, Vectors,
+    time_search,
 };
 use raypath_timing::{Sample, System, Timing};
 
@@ -56,7 +56,7 @@ impl Search {
         self.results.seconds
     }
 
-    /// The figures of the simulation (see ``raypath.render``), or None with ``timed=0``. An agent is a query.
+    /// The figures of the simulation (see ``raypath.render``), or None without ``timed``. An agent is a query.
     #[getter]
     fn timing<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         self.timing.as_ref().map(|(timing, system)| figures(py, timing, system)).transpose()
@@ -80,7 +80,8 @@ impl Search {
     }
 }
 
-/// Finds the nearest vectors of each query with the distance operations of a datapath, and simulates the timing.
+/// Finds the nearest vectors of each query with the distance operations of a datapath; with ``timed``, also
+/// simulates the timing.
 ///
 /// The work is that of ``raypath search``: the sums of a distance are jobs of the datapath; square root, division and
 /// selection are done in software and take no time in the simulation. The simulation keeps ``queries_in_flight``
@@ -99,8 +100,7 @@ impl Search {
 ///     datapath: a datapath in fp32 without features; the preset ``paper`` by default.
 ///     queries_in_flight: the number of queries in flight in the simulation, at least 1.
 ///     memory_latency: cycles of a fetch in the simulation.
-///     timed: the simulation has this number of queries, the first ones; 0 for no simulation. None for as many as take
-///         five million beats.
+///     timed: the number of queries that are simulated, the first ones; none by default.
 ///
 /// Returns:
 ///     The neighbours (``ids``, ``distances``), the work (``evaluations``, ``beats``, ``seconds``) and the ``timing``,
@@ -120,7 +120,7 @@ impl Search {
 #[pyfunction]
 #[pyo3(signature = (vectors, queries, k = 10, *, metric = "euclidean", index = None, connections = 16,
     ef_construction = 200, ef = None, seed = 1, datapath = None, queries_in_flight = 32, memory_latency = 100,
-    timed = None))]
+    timed = 0))]
 #[allow(clippy::too_many_arguments)] // keywords of Python
 pub fn search(
     py: Python<'_>,
@@ -136,7 +136,7 @@ pub fn search(
     datapath: Option<&Bound<'_, Datapath>>,
     queries_in_flight: usize,
     memory_latency: u64,
-    timed: Option<usize>,
+    timed: usize,
 ) -> PyResult<Search> {
     let datapath = plain(datapath)?;
     let graph = match index {
@@ -160,9 +160,6 @@ pub fn search(
     watched(py, |progress| work.run(progress))
 }
 
-/// The simulated beats if no number of queries is given.
-const BEATS: u64 = 5_000_000;
-
 struct Work {
     base: Vectors,
     queries: Vectors,
@@ -172,7 +169,7 @@ struct Work {
     graph: Option<GraphParameters>,
     ef: usize,
     system: System,
-    timed: Option<usize>,
+    timed: usize,
 }
 
 impl Work {
@@ -185,32 +182,25 @@ impl Work {
             Some(graph) => graph.search(&queries, k, ef, progress),
         };
         let results = results.map_err(value_error)?;
-        if timed == Some(0) {
+        if timed == 0 {
             return Ok(Search { results, k, timing: None });
         }
-        let beats = if timed.is_some() { u64::MAX } else { BEATS };
-        let first = queries.first(timed.unwrap_or(usize::MAX));
-        let traced = |graph: Graph<'_>| {
-            let mut traces = graph.traces(&first, k, ef, beats, progress)?;
-            if traces.is_empty() {
-                traces.push(graph.trace(queries.get(0).unwrap_or_default(), k, ef)?);
-            }
-            Ok::<_, SearchError>(traces)
-        };
+        let first = queries.first(timed);
+        let traced = |graph: Graph<'_>| graph.traces(&first, k, ef, u64::MAX, progress);
         let traces = graph.map(traced).transpose().map_err(value_error)?;
         let candidates = match &traces {
             Some(traces) => Candidates::Traced(traces),
             None => Candidates::All { count: k },
         };
         let spec = SearchSpec { base: &base, queries: &queries, metric, lanes, candidates };
-        let sample = Sample::first(timed.unwrap_or_else(|| spec.within(BEATS).max.max(1)));
-        let (timing, _) = time_search(&spec, sample, &system, &mut (), progress).map_err(value_error)?;
+        let (timing, _) = time_search(&spec, Sample::first(timed), &system, &mut (), progress).map_err(value_error)?;
         Ok(Search { results, k, timing: Some((timing, system)) })
     }
 }
 
 fn vectors(py: Python<'_>, array: &Bound<'_, PyAny>, name: &str) -> PyResult<Vectors> {
     let (numbers, _, dimensions) = matrix(array, name)?;
+    let numbers = &*numbers;
     py.detach(|| Vectors::new(dimensions, numbers.to_vec()))
         .map_err(|problem| value_error(format!("{name}: {problem}")))
 }

@@ -1,17 +1,23 @@
 //! The classes `Unit` and `UnitScene`.
 
 use crate::array::{Output, items, items_like};
-use crate::config::{Around, chosen};
+use crate::config::{Around, chosen, toml};
 use crate::error::{exception, value_error};
 use crate::hits::UnitHits;
 use crate::tables::row;
-use crate::watch::watched;
+use crate::watch::{abandoned_at_signals, watched};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
-use raypath_embed::{self as embed, UnitHit, UnitRay, Vertices};
-use raypath_render::{Mesh, Placement, Scene};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use rayon::prelude::*;
+use raypath_embed::{self as embed, SceneInput, UnitHit, UnitRay, Vertices};
+use raypath_render::Bounds;
+use raypath_rtl::Config;
+use raypath_rtl::report::picture;
 use raypath_traversal::UnitParameters;
+use raypath_traversal::state::{NO_INSTANCE, status};
 use raypath_traversal::system::{CacheParameters, MemoryParameters};
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -37,10 +43,12 @@ use std::sync::Arc;
 ///     >>> rays = scene.rays(np.float32([[0, 0, 4], [9, 0, 4]]), np.float32([[0, 0, -2], [0, 0, -1]]))
 ///     >>> hits = unit.trace(scene, rays)
 ///     >>> hits.status, hits.t
-///     (array([1, 0], dtype=uint32), array([2., 0.], dtype=float32))
+///     (array([1, 0], dtype=uint32), array([ 2., inf], dtype=float32))
 #[pyclass(module = "raypath", frozen)]
 pub struct Unit {
     pub inner: Arc<embed::Unit>,
+    /// The configuration of the datapath without what the unit adds.
+    given: Config,
 }
 
 #[pymethods]
@@ -58,7 +66,7 @@ impl Unit {
         let around = Around { of: "a unit", names: UnitParameters::NAMES, set };
         let config = chosen(preset, config, flags, around)?;
         let inner = py.detach(|| embed::Unit::new(config, parameters)).map_err(exception)?;
-        Ok(Self { inner: Arc::new(inner) })
+        Ok(Self { inner: Arc::new(inner), given: config })
     }
 
     /// The parameters of the unit by their keywords, without those of the datapath.
@@ -99,26 +107,20 @@ impl Unit {
         reach: Option<f32>,
         instances: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<UnitScene> {
-        let triangles = items::<Vertices>(triangles, "triangles")?;
-        let instances = instances.map(|matrices| self.placements(matrices)).transpose()?;
-        if let Some(reach) = reach.filter(|reach| !(*reach >= 0.0 && reach.is_finite())) {
-            return Err(value_error(format!("reach: found {reach}, expected a finite number of at least 0")));
-        }
-        let nodes = self.inner.parameters().step.node;
-        py.detach(|| {
-            let mesh = mesh(triangles)?;
-            let scene = match (instances, reach) {
-                (None, None) => Scene::new(mesh).map_err(value_error),
-                (None, Some(reach)) => Scene::with_reach(mesh, reach).map_err(value_error),
-                (Some(places), None) => Scene::of_instances(mesh, &places, []).map_err(value_error),
-                (Some(places), Some(reach)) => {
-                    Scene::of_instances_with_reach(mesh, &places, reach).map_err(value_error)
-                }
-            };
-            let scene = scene?.through_unit_of(nodes).map_err(value_error)?;
-            let blocks = scene.blocks().map_or((&[][..], 0), |blocks| (blocks.bytes(), blocks.root()));
-            Ok(UnitScene { data: blocks.0.into(), root: blocks.1 })
-        })
+        let corners = items::<Vertices>(triangles, "triangles")?;
+        let count = u32::try_from(3 * corners.len()).map_err(|_| {
+            value_error(format!("triangles: found {}, expected at most {}", corners.len(), u32::MAX / 3))
+        })?;
+        let input = SceneInput {
+            vertices: corners.iter().flat_map(|&Vertices { a, b, c }| [a, b, c]).collect(),
+            triangles: (0..count / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
+            instances: instances.map(|matrices| Ok::<_, PyErr>(items(matrices, "instances")?.to_vec())).transpose()?,
+            reach,
+        };
+        let unit = self.inner.clone();
+        let inner = abandoned_at_signals(py, move || unit.scene(input).map_err(exception))?;
+        let [min, max] = inner.bounds;
+        Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)) })
     }
 
     /// Traces rays by the functional model, without time.
@@ -129,16 +131,27 @@ impl Unit {
     ///
     /// Returns:
     ///     n hits with the attributes ``status``, ``triangle``, ``t`` and others, each of shape (n,). They have the
-    ///     bits of the hardware, for any memory and any number of contexts.
+    ///     bits of the hardware, for any memory and any number of contexts. All cores work on them.
     ///
     /// Raises:
     ///     ValueError: another type or shape; a ray with a ``cull`` above 3.
+    ///     KeyboardInterrupt: after Ctrl-C.
+    ///
+    /// Warns:
+    ///     UserWarning: a ray begins beyond the ``reach`` of the scene.
     fn trace(&self, py: Python<'_>, scene: &Bound<'_, UnitScene>, rays: &Bound<'_, PyAny>) -> PyResult<UnitHits> {
         let (scene, rays) = (scene.get(), items::<UnitRay>(rays, "rays")?);
+        scene.warn_beyond_reach(py, &rays)?;
         let mut output = Output::new::<UnitHit>(py, rays.len())?;
-        let hits = output.items()?;
-        py.detach(|| self.inner.trace(&scene.data, rays, hits)).map_err(exception)?;
-        Ok(UnitHits::new(output.into_array()))
+        let (unit, rays, hits) = (&self.inner, &*rays, output.items()?);
+        unit.check(rays).map_err(exception)?;
+        watched(py, |progress| {
+            let pieces = rays.par_chunks(PIECE).zip(hits.par_chunks_mut(PIECE));
+            pieces.try_for_each(|(rays, hits)| {
+                if progress(0) { unit.trace(&scene.data, rays, hits).map_err(exception) } else { Ok(()) }
+            })
+        })?;
+        hits_of(output)
     }
 
     /// Traces rays by the cycle-exact model with a memory, and measures. Rays are offered in order as soon as the unit
@@ -179,6 +192,7 @@ impl Unit {
         cache_latency: u64,
     ) -> PyResult<(UnitHits, Bound<'py, PyDict>)> {
         let (scene, rays) = (scene.get(), items::<UnitRay>(rays, "rays")?);
+        scene.warn_beyond_reach(py, &rays)?;
         let cache = cache.map(|bytes| CacheParameters {
             bytes,
             ways: cache_ways,
@@ -187,8 +201,7 @@ impl Unit {
         });
         let memory = MemoryParameters { latency, bandwidth, cache };
         let mut output = Output::new::<UnitHit>(py, rays.len())?;
-        let hits = output.items()?;
-        let unit = &self.inner;
+        let (unit, rays, hits) = (&self.inner, &*rays, output.items()?);
         let found = watched(py, |progress| {
             unit.simulate(&scene.data, rays, &memory, hits, &|done| progress(done)).map_err(exception)
         })?;
@@ -206,7 +219,7 @@ impl Unit {
             "rays_in_flight": found.ray_cycles as f64 / counts.cycles.max(1) as f64,
             "jobs_per_cycle": found.jobs_per_cycle(),
         )?;
-        Ok((UnitHits::new(output.into_array()), row))
+        Ok((hits_of(output)?, row))
     }
 
     /// Writes SystemVerilog, assertions, the AXI4 wrapper and manifests, as ``raypath generate --unit`` does.
@@ -223,9 +236,50 @@ impl Unit {
         py.detach(|| self.inner.generate(&folder)).map_err(exception)
     }
 
+    /// The latency of the datapath inside in cycles.
+    #[getter]
+    fn latency(&self) -> u32 {
+        self.inner.netlist().datapath.latency()
+    }
+
+    /// The number of flip-flops of the unit, with its datapath.
+    #[getter]
+    fn flip_flops(&self) -> u64 {
+        self.inner.netlist().top.register_bits()
+    }
+
+    /// The picture of the unit's pipeline as SVG, which notebooks show.
+    fn _repr_svg_(&self) -> String {
+        picture::pipeline(&self.inner.netlist().datapath, self.inner.config())
+    }
+
     fn __repr__(&self) -> String {
         format!("<raypath.Unit: {}>", self.inner.description())
     }
+
+    /// The arguments that make an equal unit, for ``pickle``.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        let arguments = self.parameters(py)?;
+        arguments.set_item("config", toml(&self.given))?;
+        Ok((PyTuple::empty(py), arguments))
+    }
+}
+
+/// The rays that a core traces at once.
+const PIECE: usize = 1 << 8;
+
+/// The hits with Python's values of a miss.
+fn hits_of(mut output: Output<'_>) -> PyResult<UnitHits> {
+    output.items::<UnitHit>()?.iter_mut().for_each(|hit| *hit = shown(*hit));
+    Ok(UnitHits::of(output.into_array(), None))
+}
+
+/// A hit as Python shows it: without one, the indices are -1 and the distance is infinity.
+pub fn shown(hit: UnitHit) -> UnitHit {
+    if hit.status == status::HIT {
+        return hit;
+    }
+    UnitHit { triangle: u32::MAX, instance: NO_INSTANCE, t: f32::INFINITY, ..hit }
 }
 
 /// A scene in memory, as a ``Unit`` reads it.
@@ -233,6 +287,7 @@ impl Unit {
 /// Args:
 ///     data: the bytes, the first of which has the address 0; ``Unit.scene`` and ``raypath scene`` make them.
 ///     root: the child word of the root, which ``raypath scene`` prints.
+///     within: the corners of the scene's box and its reach, for warnings of rays from further away.
 ///
 /// Raises:
 ///     OverflowError: a root of more than 32 bits.
@@ -240,13 +295,56 @@ impl Unit {
 pub struct UnitScene {
     pub data: Box<[u8]>,
     root: u32,
+    within: Option<Within>,
+}
+
+/// The corners of a scene's box, and its reach.
+type Within = ([f32; 3], [f32; 3], f32);
+
+impl UnitScene {
+    fn warn_beyond_reach(&self, py: Python<'_>, rays: &[UnitRay]) -> PyResult<()> {
+        let Some((min, max, reach)) = self.within else { return Ok(()) };
+        let bounds = Bounds { min, max };
+        warn_beyond(py, reach, rays.iter().map(|ray| bounds.reach_from(ray.origin)))
+    }
+}
+
+/// Warns of ray origins at these distances from the furthest point of a scene, if some are beyond its reach.
+///
+/// # Errors
+/// The warning, if warnings are errors.
+pub fn warn_beyond(py: Python<'_>, reach: f32, distances: impl Iterator<Item = f32>) -> PyResult<()> {
+    let (mut count, mut farthest) = (0, reach);
+    for distance in distances.filter(|distance| *distance > reach) {
+        (count, farthest) = (count + 1, distance.max(farthest));
+    }
+    if count == 0 {
+        return Ok(());
+    }
+    let problem = format!(
+        "{count} rays begin {farthest} away from a point of the scene, which was built for a reach of {reach}: hits at \
+         edges can be lost; expected a scene with reach={farthest}"
+    );
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(problem)?, 1)
 }
 
 #[pymethods]
 impl UnitScene {
     #[new]
-    fn new(data: &Bound<'_, PyBytes>, root: u32) -> Self {
-        Self { data: data.as_bytes().into(), root }
+    #[pyo3(signature = (data, root, within = None))]
+    fn new(data: &Bound<'_, PyBytes>, root: u32, within: Option<Within>) -> Self {
+        Self { data: data.as_bytes().into(), root, within }
+    }
+
+    /// The arguments that make an equal scene, for ``pickle``.
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyBytes>, u32, Option<Within>) {
+        (self.data(py), self.root, self.within)
+    }
+
+    /// The greatest distance, along any axis, between the origin of a ray and a vertex; None for bytes from elsewhere.
+    #[getter]
+    fn reach(&self) -> Option<f32> {
+        self.within.map(|(.., reach)| reach)
     }
 
     /// The bytes, from address 0 on. Each access makes a copy.
@@ -300,7 +398,7 @@ impl UnitScene {
         };
         let (any_hit, cull, root) = (any_hit.into(), cull as u32, self.root);
         let mut output = Output::new::<UnitRay>(py, origins.len())?;
-        for (ray, (&origin, &direction)) in output.items()?.iter_mut().zip(origins.iter().zip(directions)) {
+        for (ray, (&origin, &direction)) in output.items()?.iter_mut().zip(origins.iter().zip(directions.iter())) {
             *ray = UnitRay { origin, direction, t_min, t_max, any_hit, cull, root };
         }
         Ok(output.into_array())
@@ -313,27 +411,4 @@ impl UnitScene {
     fn __repr__(&self) -> String {
         format!("<raypath.UnitScene: {} bytes, root {:#010x}>", self.data.len(), self.root)
     }
-}
-
-impl Unit {
-    /// The places of instances by their matrices.
-    fn placements(&self, matrices: &Bound<'_, PyAny>) -> PyResult<Vec<Placement>> {
-        if !self.inner.parameters().step.features.instances {
-            return Err(value_error("instances: the unit has none, expected a Unit(instances=True)"));
-        }
-        let matrices = items::<[[f64; 4]; 3]>(matrices, "instances")?.iter().enumerate();
-        let placed = |(index, matrix): (usize, &[[f64; 4]; 3])| {
-            Placement::checked(*matrix)
-                .map_err(|problem| value_error(format!("instances: instance {index}: {problem}")))
-        };
-        matrices.map(placed).collect()
-    }
-}
-
-fn mesh(triangles: &[Vertices]) -> PyResult<Mesh> {
-    let vertices: Vec<[f32; 3]> = triangles.iter().flat_map(|&Vertices { a, b, c }| [a, b, c]).collect();
-    let count = u32::try_from(vertices.len())
-        .map_err(|_| value_error(format!("triangles: found {}, expected at most {}", triangles.len(), u32::MAX / 3)))?;
-    let faces = (0..count / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-    Mesh::new(vertices, faces).map_err(value_error)
 }

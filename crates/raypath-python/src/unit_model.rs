@@ -1,13 +1,19 @@
 //! The classes `UnitModel` and `UnitOutputs`.
 
-use crate::array::items;
+use crate::array::{Items, Output, Truth, items, items_like, structure};
 use crate::error::{exception, value_error};
+use crate::hits::UnitHits;
 use crate::tables::row;
-use crate::unit::Unit;
+use crate::unit::{Unit, UnitScene, shown};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use raypath_embed::{self as embed, Response, UnitCounts, UnitHit, UnitRay};
+use raypath_embed::{self as embed, BlockRequest, Response, UnitCounts, UnitHit, UnitRay, UnitStalls};
+use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
+
+/// The cycles between two looks for signals.
+const CYCLES: u64 = 1 << 14;
 
 /// The cycle-exact model of a traversal unit. In every cycle its outputs are those of the hardware.
 ///
@@ -35,6 +41,9 @@ use std::sync::{Mutex, PoisonError};
 pub struct UnitModel {
     // Not locked: the mutex only makes the model shareable between threads, as a class must be.
     inner: Mutex<embed::UnitModel>,
+    unit: Py<Unit>,
+    /// The blocks that `run` has to answer: when, where and for whom, and the beats that were sent.
+    due: VecDeque<(u64, BlockRequest, usize)>,
 }
 
 impl UnitModel {
@@ -47,7 +56,11 @@ impl UnitModel {
 impl UnitModel {
     #[new]
     fn new(unit: &Bound<'_, Unit>) -> Self {
-        Self { inner: Mutex::new(embed::UnitModel::new(&unit.get().inner)) }
+        Self {
+            inner: Mutex::new(embed::UnitModel::new(&unit.get().inner)),
+            unit: unit.clone().unbind(),
+            due: VecDeque::new(),
+        }
     }
 
     /// The outputs in this cycle. They depend on earlier cycles alone.
@@ -85,7 +98,7 @@ impl UnitModel {
         hit_ready: bool,
         request_ready: bool,
     ) -> PyResult<UnitOutputs> {
-        let ray = ray.map(one_ray).transpose()?;
+        let ray = ray.map(|ray| structure::<UnitRay>(ray, "ray")).transpose()?;
         let response = response.as_ref().map(|(tag, beat)| Response {
             tag: *tag,
             is_error: response_error,
@@ -97,8 +110,114 @@ impl UnitModel {
         Ok(UnitOutputs(outputs))
     }
 
+    /// Many cycles at once: rays are offered in order, each until it is accepted, and a scene answers requests in
+    /// order.
+    ///
+    /// Args:
+    ///     cycles: the number of cycles.
+    ///     rays: rays of ``scene.rays``; none by default.
+    ///     ray_ids: uint64 array of shape (n,): the number of each ray; their places by default.
+    ///     scene: the memory; without one, requests are not answered.
+    ///     latency: cycles from a request that is taken to the first beat of its block, at least 1.
+    ///     hit_ready: bool array of shape (cycles,): whether a hit at the outputs is taken in each cycle; always by
+    ///         default.
+    ///     request_ready: the same for requests.
+    ///
+    /// Returns:
+    ///     A dictionary: ``accepted``, the number of rays that were accepted; ``hits``, those that were taken, with
+    ///     ``hit_ids`` and ``hit_cycles``; ``request_addresses`` and ``request_cycles`` of the requests that were
+    ///     taken. Cycles are numbered from 0 in each call.
+    ///
+    /// Raises:
+    ///     ValueError: another type or shape; a number of too many bits; a latency of 0.
+    ///     KeyboardInterrupt: after Ctrl-C.
+    #[pyo3(signature = (cycles, rays = None, ray_ids = None, *, scene = None, latency = 100, hit_ready = None,
+        request_ready = None))]
+    #[allow(clippy::too_many_arguments)] // keywords of Python
+    fn run<'py>(
+        &mut self,
+        py: Python<'py>,
+        cycles: u64,
+        rays: Option<&Bound<'py, PyAny>>,
+        ray_ids: Option<&Bound<'py, PyAny>>,
+        scene: Option<&Bound<'py, UnitScene>>,
+        latency: u64,
+        hit_ready: Option<&Bound<'py, PyAny>>,
+        request_ready: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        if latency == 0 {
+            return Err(value_error("latency: found 0 cycles, expected at least 1"));
+        }
+        let rays = rays.map(|rays| items::<UnitRay>(rays, "rays")).transpose()?;
+        let rays = rays.as_deref().unwrap_or(&[]);
+        let ids = ray_ids.map(|ids| items_like::<u64>(ids, "ray_ids", rays.len(), "rays")).transpose()?;
+        let ready = |array: Option<&Bound<'py, PyAny>>, name| {
+            array.map(|array| items_like::<Truth>(array, name, cycles as usize, "cycles")).transpose()
+        };
+        let (hit_ready, request_ready) = (ready(hit_ready, "hit_ready")?, ready(request_ready, "request_ready")?);
+        let width = self.unit.get().inner.parameters().memory_width as usize / 8;
+        let block = self.unit.get().inner.parameters().step.node.block_bytes() as usize;
+        let bytes: &[u8] = scene.map_or(&[], |scene| &scene.get().data);
+        let nothing = vec![0; width];
+        let Self { inner, due, .. } = self;
+        let inner = inner.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let (mut accepted, mut hits, mut hit_ids, mut hit_cycles) = (0, Vec::new(), Vec::new(), Vec::new());
+        let (mut addresses, mut request_cycles) = (Vec::new(), Vec::new());
+        let mut now = 0;
+        while now < cycles {
+            if now % CYCLES == CYCLES - 1 {
+                py.check_signals()?;
+            }
+            let outputs = inner.outputs();
+            let at = |ready: &Option<Items<'_, Truth>>| ready.as_ref().is_none_or(|ready| ready[now as usize].0 != 0);
+            let number = |place| ids.as_ref().map_or(place as u64, |ids| ids[place]);
+            let response =
+                due.front().filter(|(when, ..)| *when <= now && scene.is_some()).map(|(_, request, sent)| {
+                    let beat = bytes.get(request.address as usize + sent * width..).and_then(|rest| rest.get(..width));
+                    Response { tag: request.tag, is_error: beat.is_none(), beat: beat.unwrap_or(&nothing) }
+                });
+            let inputs = embed::UnitInputs {
+                ray: rays.get(accepted).map(|ray| (number(accepted), ray)),
+                hit_ready: at(&hit_ready),
+                request_ready: at(&request_ready),
+                response,
+            };
+            inner.step(&inputs).map_err(exception)?;
+            if let Some((_, _, sent)) = due.front_mut().filter(|_| response.is_some()) {
+                *sent += 1;
+                if *sent * width == block {
+                    due.pop_front();
+                }
+            }
+            accepted += usize::from(outputs.ray_ready && inputs.ray.is_some());
+            if let Some((id, hit)) = outputs.hit.filter(|_| inputs.hit_ready) {
+                hits.push(shown(hit));
+                hit_ids.push(id);
+                hit_cycles.push(now);
+            }
+            if let Some(request) = outputs.request.filter(|_| inputs.request_ready) {
+                addresses.push(request.address);
+                request_cycles.push(now);
+                due.push_back((now + latency, request, 0));
+            }
+            now += 1;
+        }
+        due.iter_mut().for_each(|(when, ..)| *when = when.saturating_sub(cycles));
+        let mut output = Output::new::<UnitHit>(py, hits.len())?;
+        output.items()?.copy_from_slice(&hits);
+        row!(py,
+            "accepted": accepted,
+            "hits": Bound::new(py, UnitHits::of(output.into_array(), None))?,
+            "hit_ids": PyArray1::from_vec(py, hit_ids),
+            "hit_cycles": PyArray1::from_vec(py, hit_cycles),
+            "request_addresses": PyArray1::from_vec(py, addresses),
+            "request_cycles": PyArray1::from_vec(py, request_cycles),
+        )
+    }
+
     /// Advances cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the first with a
-    /// hit or a request at the outputs. Cycles in which the unit waits for the memory take no time.
+    /// hit or a request at the outputs, or in which a ray is accepted and was not before. Cycles in which the unit
+    /// waits for the memory take no time.
     ///
     /// Args:
     ///     cycles: the maximum number of cycles.
@@ -110,17 +229,52 @@ impl UnitModel {
     }
 
     /// What the unit did since its last reset: ``cycles``, ``boxes`` and ``triangles`` (jobs of the datapath),
-    /// ``steps``, ``fetches`` and ``rays`` (that ended).
+    /// ``steps``, ``fetches``, ``rays`` (that ended) and ``restarts`` (descents that began again, because the stack had
+    /// lost a level); ``rays_inside`` and their sum over all cycles, ``ray_cycles``; the cycles in which a ray
+    /// (``ray_stalls``), a hit, a request or a job waited.
     #[getter]
     fn counts<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let UnitCounts { cycles, boxes, triangles, steps, fetches, rays, .. } = self.inner().counts();
+        let UnitCounts { cycles, boxes, triangles, steps, fetches, rays, restarts, job_stalls, .. } =
+            self.inner().counts();
+        let UnitStalls { rays_inside, ray_cycles, ray_stalls, hit_stalls, request_stalls } = self.inner().stalls();
         row!(py, "cycles": cycles, "boxes": boxes, "triangles": triangles, "steps": steps, "fetches": fetches,
-            "rays": rays)
+            "rays": rays, "restarts": restarts, "rays_inside": rays_inside, "ray_cycles": ray_cycles,
+            "ray_stalls": ray_stalls, "hit_stalls": hit_stalls, "request_stalls": request_stalls,
+            "job_stalls": job_stalls)
+    }
+
+    /// The whole state as bytes, for ``restore``. Blocks that ``run`` has not yet answered are not part of it.
+    fn save<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.inner().save())
+    }
+
+    /// Takes over a state that a model of an equal unit saved, in this release of raypath.
+    ///
+    /// Raises:
+    ///     ValueError: other bytes. Then nothing changes.
+    fn restore(&mut self, state: &Bound<'_, PyBytes>) -> PyResult<()> {
+        self.inner().restore(state.as_bytes()).map_err(exception)?;
+        self.due.clear();
+        Ok(())
+    }
+
+    /// The arguments that make a model of the same unit, for ``copy`` and ``pickle``.
+    fn __getnewargs__(&self, py: Python<'_>) -> (Py<Unit>,) {
+        (self.unit.clone_ref(py),)
+    }
+
+    fn __getstate__<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        self.save(py)
+    }
+
+    fn __setstate__(&mut self, state: &Bound<'_, PyBytes>) -> PyResult<()> {
+        self.restore(state)
     }
 
     /// A cycle of reset: all rays are lost, and requests get no response.
     fn reset(&mut self) {
         self.inner().reset();
+        self.due.clear();
     }
 
     fn __repr__(&mut self) -> String {
@@ -151,7 +305,8 @@ impl UnitOutputs {
     #[getter]
     fn hit<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some((_, hit)) = self.0.hit else { return Ok(None) };
-        let UnitHit { status, triangle, instance, t, t_num, t_denom, u, v, back_face, nodes, triangles } = hit;
+        let UnitHit { status, triangle, instance, t, t_num, t_denom, u, v, back_face, nodes, triangles } = shown(hit);
+        let (triangle, instance) = (triangle.cast_signed(), instance.cast_signed());
         let row = row!(py, "status": status, "triangle": triangle, "instance": instance, "t": t, "t_num": t_num,
             "t_denom": t_denom, "u": u, "v": v, "back_face": back_face == 1, "nodes": nodes, "triangles": triangles)?;
         Ok(Some(row))
@@ -168,14 +323,5 @@ impl UnitOutputs {
         let hit = hit.map_or_else(|| "none".to_string(), |(id, _)| format!("of ray {id}"));
         let request = request.map_or_else(|| "none".to_string(), |request| format!("for {:#x}", request.address));
         format!("<raypath.UnitOutputs: ray_ready {ray_ready}, hit {hit}, request {request}>")
-    }
-}
-
-/// An item of an array of rays, or an array of one ray.
-fn one_ray(ray: &Bound<'_, PyAny>) -> PyResult<UnitRay> {
-    let array = ray.py().import("numpy")?.call_method1("ravel", (ray,))?;
-    match items::<UnitRay>(&array, "ray")? {
-        [ray] => Ok(*ray),
-        rays => Err(value_error(format!("ray: found {} rays, expected 1", rays.len()))),
     }
 }

@@ -1,9 +1,13 @@
 //! Long work beside the interpreter: Ctrl-C stops it.
 
+use crate::error::exception;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use raypath_embed::Error;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
 use std::time::Duration;
 
 /// The time between two looks for signals.
@@ -42,4 +46,54 @@ pub fn watched<T: Send>(
             }
         })
     })
+}
+
+/// As [`watched`], for work that nothing can stop: after a signal it goes on in a thread of its own, and its result is
+/// dropped.
+///
+/// # Errors
+/// Those of [`watched`].
+pub fn abandoned_at_signals<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> PyResult<T> + Send + 'static,
+) -> PyResult<T> {
+    py.detach(|| {
+        let (sender, receiver) = mpsc::channel();
+        let work = move || {
+            // The receiver is gone after a signal.
+            let _ = sender.send(work());
+        };
+        thread::Builder::new().spawn(work)?;
+        loop {
+            match receiver.recv_timeout(PERIOD) {
+                Ok(result) => return result,
+                Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("the work panicked")),
+                Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
+            }
+        }
+    })
+}
+
+/// The jobs between two looks for signals: some milliseconds in binary32, a tenth of a second in other formats.
+const PIECE: usize = 1 << 14;
+
+/// Computes `count` jobs on this thread, without the interpreter lock, in pieces. `compute` gets the jobs of a piece.
+///
+/// # Errors
+/// The exception of a signal's handler, or the error of `compute`.
+pub fn in_pieces(
+    py: Python<'_>,
+    count: usize,
+    mut compute: impl FnMut(Range<usize>) -> Result<(), Error> + Send,
+) -> PyResult<()> {
+    let mut first = 0;
+    loop {
+        let piece = first..count.min(first + PIECE);
+        py.detach(|| compute(piece)).map_err(exception)?;
+        first += PIECE;
+        if first >= count {
+            return Ok(());
+        }
+        py.check_signals()?;
+    }
 }

@@ -70,7 +70,7 @@ CALLS: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "rays": (("points", "points"), lambda d, a, b: raypath.rays(a, b)),
     "quadbox_of_any_rays": (("points", "boxes"), lambda d, rays, boxes: d.quadbox(rays, boxes)),
     "search": (("vectors", "vectors"), lambda d, a, b: raypath.search(a, b, k=1)),
-    "trace": (("points", "faces"), lambda d, vertices, faces: raypath.trace(vertices, faces, RAYS)),
+    "trace": (("points", "faces"), lambda d, vertices, faces: raypath.trace(raypath.Scene(vertices, faces), RAYS)),
 }
 
 

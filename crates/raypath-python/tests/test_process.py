@@ -1,5 +1,8 @@
 """Properties of the whole process: memory, the interpreter lock, Ctrl-C, the command line."""
 
+import copy
+import multiprocessing
+import pickle
 import signal
 import subprocess
 import sys
@@ -8,9 +11,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
+from helpers import f32
 
 import raypath
+
+TRIANGLE = f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]])
 
 INPUTS_ARE_NOT_COPIED = """
 import resource
@@ -67,14 +74,23 @@ def test_the_interpreter_lock_is_released(datapath: raypath.Datapath) -> None:
     "work",
     [
         "raypath.search(np.ones((200_000, 128), np.float32), np.ones((20_000, 128), np.float32))",
-        "raypath.render(vertices, np.array([[0, 1, 2]], np.uint32), size=(4000, 4000), samples=2, ao=9)",
+        "raypath.render(raypath.Scene(vertices, faces), size=(4000, 4000), samples=2, ao=9)",
+        "raypath.Scene(random((2_000_000, 3)), np.arange(1_998_000).reshape(-1, 3))",
+        "raypath.Unit().scene(random((600_000, 3, 3)))",
+        "raypath.Datapath(format='fp16').euclidean(np.ones((40_000, 400)), np.ones((40_000, 400)))",
+        "[unit.trace(scene, rays) for _ in range(99)]",
     ],
 )
 def test_interrupt(work: str) -> None:
-    """Ctrl-C stops long work with ``KeyboardInterrupt``."""
+    """Ctrl-C stops long work with ``KeyboardInterrupt``, in a fraction of a second."""
     program = f"""
+import time
 import numpy as np, raypath
-vertices = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32)
+vertices, faces = np.float32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]])
+random = lambda shape: np.random.default_rng(1).random(shape, np.float32)
+unit = raypath.Unit("compact")
+scene = unit.scene(random((1000, 3, 3)))
+rays = scene.rays(random((300_000, 3)), random((300_000, 3)) - np.float32(0.5))
 print("ready", flush=True)
 try:
     {work}
@@ -87,6 +103,62 @@ except KeyboardInterrupt:
     time.sleep(0.5)
     process.send_signal(signal.SIGINT)
     assert process.communicate(timeout=60)[0] == "interrupted\n"
+
+
+def test_pickles() -> None:
+    """Objects of other processes are equal."""
+    unit = raypath.Unit("compact", contexts=16, barycentrics=True)
+    memory = unit.scene(TRIANGLE[None])
+    rays = memory.rays(f32([[0, 0, 4], [9, 0, 4]]), f32([[0, 0, -1], [0, 0, -1]]))
+    scene = raypath.Scene(TRIANGLE, np.array([[0, 1, 2]]), reach=100)
+    hits = raypath.trace(scene, raypath.rays(rays["origin"].copy(), rays["direction"].copy()), timed=2)
+    again = pickle.loads(pickle.dumps((unit, memory, scene, hits)))
+    assert [repr(one) for one in again] == [repr(unit), repr(memory), repr(scene), repr(hits)]
+    assert (again[1].data, again[1].root, again[1].reach) == (memory.data, memory.root, memory.reach)
+    np.testing.assert_array_equal(again[3].array, hits.array)
+    assert again[3].timing == hits.timing
+    datapath = raypath.Datapath()
+    pipeline, model = raypath.Pipeline(datapath), raypath.UnitModel(unit)
+    assert pipeline.offer(raypath.Job.timing(datapath, "quadbox"), tag=7)
+    pipeline.skip(5)
+    model.step(rays[0], 3)
+    for copied, copied_model in (copy.deepcopy((pipeline, model)), pickle.loads(pickle.dumps((pipeline, model)))):
+        assert copied.skip(100) == 7
+        outcome = copied.step()
+        assert outcome is not None
+        assert outcome.tag == 7
+        assert copied_model.save() == model.save()
+    with pytest.raises(ValueError, match="expected those that a model saved"):
+        pipeline.restore(b"bytes")
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        found = pool.apply(unit.trace, (memory, rays))
+    np.testing.assert_array_equal(found.array, unit.trace(memory, rays).array)
+
+
+def test_hits_are_rows() -> None:
+    """Hits have a length, iterate, and index by field, number, slice and mask; pandas takes them."""
+    unit = raypath.Unit("compact")
+    memory = unit.scene(TRIANGLE[None])
+    hits = unit.trace(memory, memory.rays(f32([[0, 0, 4], [9, 0, 4]]), f32([[0, 0, -1], [0, 0, -1]])))
+    assert (len(hits), [hit["triangle"] for hit in hits]) == (2, [0, -1])
+    assert (hits["t"].tolist(), hits[0]["t"], hits[1]["t"]) == ([4, np.inf], 4, np.inf)
+    assert (len(hits[1:]), hits[hits.triangle >= 0].triangle.tolist()) == (1, [0])
+    assert pandas.DataFrame(hits.array)["t"].tolist() == [4, np.inf]
+    with pytest.raises(IndexError):
+        hits[2]
+
+
+def test_arrays_that_lose_nothing_are_converted(datapath: raypath.Datapath) -> None:
+    """Another type, order, byte order or alignment gives the same result, if float32 has every value."""
+    values = np.random.default_rng(2).integers(-99, 99, (7, 40)).astype(np.float32)
+    values[3, 4] = np.nan
+    expected = datapath.euclidean(values, values[::-1].copy())
+    memory = np.zeros(values.nbytes + 1, np.uint8)
+    memory[1:].view(np.float32)[:] = values.ravel()
+    unaligned = memory[1:].view(np.float32).reshape(values.shape)
+    for same in (values.astype(np.float64), values.astype(np.float16), np.asfortranarray(values), values.astype(">f4")):
+        np.testing.assert_array_equal(datapath.euclidean(same, values[::-1]), expected)
+    np.testing.assert_array_equal(datapath.euclidean(unaligned, values[::-1]), expected)
 
 
 def run(*arguments: str, cwd: Path) -> "subprocess.CompletedProcess[str]":

@@ -1,5 +1,7 @@
 """Rendering and tracing against a brute-force oracle in float64, and the documented timing."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from helpers import Mesh, f32, nearest
@@ -15,30 +17,43 @@ def mesh() -> Mesh:
     return vertices.reshape(-1, 3).astype(np.float32), np.arange(300, dtype=np.uint32).reshape(-1, 3)
 
 
+ONE = raypath.Scene(f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+
+
 def test_trace(mesh: Mesh) -> None:
     """The closest hit of each ray, except where rounding decides."""
     random = np.random.default_rng(4)
     origins = random.uniform(-4, 4, (2000, 3)).astype(np.float32)
     directions = (random.uniform(-1, 1, (2000, 3)) - origins).astype(np.float32)
-    found = raypath.trace(*mesh, raypath.rays(origins, directions), timed=0)
+    found = raypath.trace(raypath.Scene(*mesh), raypath.rays(origins, directions))
     triangle, t, doubt = nearest(mesh, origins, directions)
     clear = doubt > 1e-4
     assert clear.mean() > 0.8
     assert 0.2 < (triangle >= 0).mean() < 0.9
     np.testing.assert_array_equal(found.triangle[clear], triangle[clear])
     np.testing.assert_allclose(found.t[clear], t[clear], rtol=1e-3)
-    assert not found.from_behind.any()
+    assert not found.back_face.any()
     assert found.timing is None
     assert len(found) == 2000
 
 
 def test_two_sided() -> None:
     """A triangle is hit from behind only if both sides are."""
-    vertices, faces = f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]], np.uint32)
     rays = raypath.rays(f32([[0, 0, 4], [0, 0, -4]]), f32([[0, 0, -1], [0, 0, 1]]))
-    assert raypath.trace(vertices, faces, rays).triangle.tolist() == [0, -1]
-    found = raypath.trace(vertices, faces, rays, two_sided=True)
-    assert (found.triangle.tolist(), found.from_behind.tolist(), found.t.tolist()) == ([0, 0], [False, True], [4, 4])
+    assert raypath.trace(ONE, rays).triangle.tolist() == [0, -1]
+    found = raypath.trace(ONE, rays, two_sided=True)
+    assert (found.triangle.tolist(), found.back_face.tolist(), found.t.tolist()) == ([0, 0], [False, True], [4, 4])
+
+
+def test_reach() -> None:
+    """Rays and cameras from beyond the reach of a scene are traced with a warning."""
+    rays = raypath.rays(f32([[0, 0, 4], [0, 0, 400]]), f32([[0, 0, -1], [0, 0, -1]]))
+    with pytest.warns(UserWarning, match="1 rays begin 400 away .* built for a reach of 32: .* reach=400"):
+        assert raypath.trace(ONE, rays).t.tolist() == [4, 400]
+    far = raypath.Scene(f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]]), reach=400)
+    assert (far.reach, raypath.trace(far, rays).t.tolist()) == (400, [4, 400])
+    with pytest.warns(UserWarning, match="reach"):
+        raypath.render(ONE, eye=(0, 0, 400), size=(2, 2))
 
 
 def test_picture(mesh: Mesh) -> None:
@@ -46,7 +61,7 @@ def test_picture(mesh: Mesh) -> None:
     width, height = 48, 32
 
     def seen(mesh: Mesh) -> raypath.Rendering:
-        return raypath.render(*mesh, eye=(0, 0, 5), fov=40, size=(width, height))
+        return raypath.render(raypath.Scene(*mesh), eye=(0, 0, 5), fov=40, size=(width, height))
 
     picture = seen(mesh)
     half = np.tan(np.radians(20))
@@ -59,9 +74,8 @@ def test_picture(mesh: Mesh) -> None:
     hits = picture.rays[0]["hits"]
     assert picture.rays[0]["rays"] == width * height
     assert abs(hits - (triangle >= 0).sum()) <= (doubt < 1e-4).sum()
-    sky = raypath.render(
-        f32([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0]]), mesh[1][:1], eye=(0, 0, 5), fov=40, size=(width, height)
-    )
+    nothing = raypath.Scene(f32([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0]]), mesh[1][:1], reach=6)
+    sky = raypath.render(nothing, eye=(0, 0, 5), fov=40, size=(width, height))
     assert picture.image.shape == (height, width, 3)
     is_hit = (picture.image != sky.image).any(axis=2).ravel()
     clear = doubt > 1e-4
@@ -73,7 +87,8 @@ def test_picture(mesh: Mesh) -> None:
 
 def test_secondary_rays(mesh: Mesh) -> None:
     """A shadow ray starts at hits that face the sun, N occlusion rays at each; a seed gives the same picture again."""
-    pictures = [raypath.render(*mesh, size=(20, 20), shadows=True, ao=3, seed=5, timed=0) for _ in range(2)]
+    scene = raypath.Scene(*mesh)
+    pictures = [raypath.render(scene, size=(20, 20), shadows=True, ao=3, seed=5) for _ in range(2)]
     rays = {row["kind"]: row for row in pictures[0].rays}
     assert 20 < rays["shadow"]["rays"] < rays["primary"]["hits"]
     assert rays["occlusion"]["rays"] == 3 * rays["primary"]["hits"]
@@ -82,12 +97,10 @@ def test_secondary_rays(mesh: Mesh) -> None:
 
 def test_timing_of_single_rays() -> None:
     """One ray in flight: a node, a leaf of one triangle, each a fetch and a job that takes latency and one cycle."""
-    vertices, faces = f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]], np.uint32)
     rays = raypath.rays(np.tile(f32([0, 0, 4]), (10, 1)), np.tile(f32([0, 0, -1]), (10, 1)))
     for preset, latency in [("paper", 12), ("fast", 22)]:
-        found = raypath.trace(
-            vertices, faces, rays, datapath=raypath.Datapath(preset), rays_in_flight=1, memory_latency=50
-        )
+        options: Any = {"rays_in_flight": 1, "memory_latency": 50, "timed": 10}
+        found = raypath.trace(ONE, rays, datapath=raypath.Datapath(preset), **options)
         assert found.timing is not None
         assert (found.timing["agents"], found.timing["quadbox"], found.timing["triangle"]) == (10, 10, 10)
         assert found.timing["cycles"] == 10 * 2 * (50 + latency + 1)
@@ -96,7 +109,8 @@ def test_timing_of_single_rays() -> None:
 
 def test_timing_of_many_rays(mesh: Mesh) -> None:
     """With many agents, throughput approaches a job a cycle, and every cycle has one use."""
-    few, many = (raypath.render(*mesh, size=(64, 64), rays_in_flight=n).timing for n in (1, 1024))
+    scene = raypath.Scene(*mesh)
+    few, many = (raypath.render(scene, size=(64, 64), rays_in_flight=n, timed=5000).timing for n in (1, 1024))
     assert few is not None
     assert many is not None
     assert few["jobs"] == many["jobs"]

@@ -18,7 +18,7 @@ def vectors() -> NDArray[np.float32]:
 def test_euclidean(vectors: NDArray[np.float32], preset: str) -> None:
     """Exact search, with ties by index."""
     queries, base = vectors[:50], vectors[50:]
-    found = raypath.search(base, queries, k=7, datapath=raypath.Datapath(preset), timed=0)
+    found = raypath.search(base, queries, k=7, datapath=raypath.Datapath(preset))
     squares = ((queries[:, None].astype(np.float64) - base) ** 2).sum(axis=2)
     expected = np.argsort(squares, axis=1, kind="stable")[:, :7]
     np.testing.assert_array_equal(found.ids, expected)
@@ -44,7 +44,7 @@ def test_angular(vectors: NDArray[np.float32]) -> None:
 def test_graph(vectors: NDArray[np.float32]) -> None:
     """Search through a graph finds most of the neighbours with fewer comparisons, the same with the same seed."""
     queries, base = vectors[:50], vectors[50:]
-    exact, found, again = (raypath.search(base, queries, k=5, index=index, timed=0) for index in (None, "hnsw", "hnsw"))
+    exact, found, again = (raypath.search(base, queries, k=5, index=index) for index in (None, "hnsw", "hnsw"))
     recall = np.mean([len(set(a) & set(b)) / 5 for a, b in zip(exact.ids.tolist(), found.ids.tolist())])
     assert recall > 0.9
     assert found.evaluations < exact.evaluations
@@ -54,7 +54,7 @@ def test_graph(vectors: NDArray[np.float32]) -> None:
 def test_timing() -> None:
     """One query in flight: fetches and beats of 3 vectors follow each other, then the last outcome."""
     vectors = f32([[0] * 40, [1] * 40, [2] * 40])
-    timing = raypath.search(vectors, vectors[:1], k=1, queries_in_flight=1, memory_latency=100).timing
+    timing = raypath.search(vectors, vectors[:1], k=1, queries_in_flight=1, memory_latency=100, timed=1).timing
     assert timing is not None
     assert (timing["agents"], timing["euclidean"], timing["fetches"]) == (1, 9, 3)
     assert timing["cycles"] == 3 * (100 + 3) + 12

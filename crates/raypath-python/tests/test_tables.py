@@ -2,6 +2,7 @@
 
 import pickle
 import re
+import runpy
 from pathlib import Path
 
 import pandas
@@ -64,7 +65,7 @@ def test_parameters_are_keywords(root: Path) -> None:
     """The keywords of the stub are the parameters, and the default of each makes the default datapath."""
     parameters = raypath.parameters()
     stub = (root / "crates/raypath-python/python/raypath/_raypath.pyi").read_text()
-    constructor = stub.split("with_:")[1].split(") -> Datapath")[0]
+    constructor = stub.split("        with_: str")[1].split(") -> Datapath")[0]
     assert re.findall(r"^ {8}(\w+):", constructor, re.M) == [row["keyword"] for row in parameters]
     defaults = {row["keyword"]: row["default"] for row in parameters}
     assert raypath.Datapath(**defaults).config == raypath.Datapath().config
@@ -97,3 +98,10 @@ def test_added_operations(with_: "str | list[str]") -> None:
     assert {"sphere", "key_compare"} <= {row["operation"] for row in raypath.operations()}
     copy = pickle.loads(pickle.dumps(datapath))
     assert repr(copy) == repr(datapath) == "<raypath.Datapath: lanes none, rules paper, with sphere, key_compare>"
+
+
+def test_the_stub_has_the_docstrings(root: Path) -> None:
+    """Editors show the docstrings of the module without running it. ``scripts/stub-docstrings.py`` writes them."""
+    with_docstrings = runpy.run_path(str(root / "scripts/stub-docstrings.py"))["with_docstrings"]
+    stub = (root / "crates/raypath-python/python/raypath/_raypath.pyi").read_text()
+    assert with_docstrings(stub) == stub

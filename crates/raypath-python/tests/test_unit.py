@@ -64,7 +64,8 @@ def test_trace(unit: raypath.Unit, scene: raypath.UnitScene, mesh: Mesh) -> None
         points = (origins + t[:, None] * directions)[chosen]
         np.testing.assert_allclose((weights[:, :, None] * corners).sum(1), points, atol=1e-3)
         assert (hits.t_denom[chosen] < 0).all() == is_back
-        assert not hits.t[hits.status == 0].any()
+        assert np.isinf(hits.t[hits.status == 0]).all()
+        assert (hits.triangle[hits.status == 0] == -1).all()
         assert len(hits) == 2000
 
 
@@ -81,7 +82,7 @@ def test_fields_of_rays() -> None:
     rays["t_min"][6] = -1
     hits = unit.trace(scene, rays)
     assert hits.status.tolist() == [1, 1, 0, 0, 1, 2, 2]
-    assert hits.t.tolist()[:4] == [1, 2, 0, 0]
+    assert hits.t.tolist()[:4] == [1, 2, np.inf, np.inf]
     assert hits.triangle.tolist()[:2] == [1, 0]
     assert not hits.u.any()
     small = raypath.Unit(node="quantised")
@@ -90,6 +91,8 @@ def test_fields_of_rays() -> None:
     rays_there = rays.copy()
     rays_there["root"] = their_scene.root
     assert small.trace(their_scene, rays_there).t.tolist() == hits.t.tolist()
+    with pytest.warns(UserWarning, match="7 rays begin 4000 away"):
+        unit.trace(scene, scene.rays(np.tile(f32([0, 0, 4000]), (7, 1)), np.tile(f32([0, 0, -2]), (7, 1))))
     beyond = raypath.UnitScene(b"", scene.root)
     assert unit.trace(beyond, rays[:1]).status.tolist() == [3]
     again = raypath.UnitScene(scene.data, scene.root)
@@ -132,9 +135,60 @@ def test_model(unit: raypath.Unit, scene: raypath.UnitScene) -> None:
         assert [found[ray] for ray in range(60)] == [dict(zip(names, hit.item())) for hit in hits.array]
         counts = model.counts
         assert (counts["rays"], counts["boxes"], counts["triangles"]) == (60, hits.nodes.sum(), hits.triangles.sum())
+        assert counts["restarts"] > 0
+        assert counts["rays_inside"] == 0
+        assert 1 < counts["ray_cycles"] / counts["cycles"] <= 8
         model.reset()
-    assert model.counts["cycles"] == 0
+    assert not any(model.counts.values())
+    deep = raypath.UnitModel(raypath.Unit("compact", contexts=8, stack=32, memory_width=256, id_width=12))
+    run(deep, scene, rays, 1)
+    assert deep.counts["restarts"] == 0
     assert model.outputs.hit is None
+
+
+def test_run(unit: raypath.Unit, scene: raypath.UnitScene) -> None:
+    """Many cycles at once are as single ones, also in two calls, with sinks that are not always ready."""
+    rays, model = scene.rays(*numbers(60)), raypath.UnitModel(unit)
+    ids = np.arange(60)[::-1].copy()
+    ready = np.random.default_rng(6).random((2, 40_000)) < 0.7
+    options: Any = {"scene": scene, "latency": 9}
+    first = model.run(700, rays, ids, hit_ready=ready[0, :700], request_ready=ready[1, :700], **options)
+    left = slice(first["accepted"], None)
+    rest = model.run(39_300, rays[left], ids[left], hit_ready=ready[0, 700:], request_ready=ready[1, 700:], **options)
+    assert 0 < first["accepted"] < 60 == first["accepted"] + rest["accepted"]
+    found = dict(zip(first["hit_ids"].tolist() + rest["hit_ids"].tolist(), [*first["hits"], *rest["hits"]]))
+    expected = unit.trace(scene, rays)
+    assert [found[59 - ray].tolist() for ray in range(60)] == expected.array.tolist()
+
+    single = raypath.UnitModel(unit)
+    accepted, beats, cycles = 0, deque[tuple[int, int, bytes]](), []
+    for cycle in range(700):
+        response = beats.popleft()[1:] if beats and beats[0][0] <= cycle else None
+        hit, request = (bool(bits[cycle]) for bits in ready)
+        ray, number = (rays[accepted], int(ids[accepted])) if accepted < 60 else (None, 0)
+        outputs = single.step(ray, number, response=response, hit_ready=hit, request_ready=request)
+        accepted += outputs.ray_ready
+        if outputs.request is not None and request:
+            address, tag = outputs.request
+            beats.extend((cycle + 9, tag, scene.data[address + at : address + at + 32]) for at in range(0, 128, 32))
+            cycles.append(cycle)
+    assert (accepted, cycles) == (first["accepted"], first["request_cycles"].tolist())
+    assert single.counts["cycles"] == 700
+
+
+def test_skip(unit: raypath.Unit, scene: raypath.UnitScene) -> None:
+    """``skip`` stops where a ray is accepted that was not before, as where a hit or a request is at the outputs."""
+    rays, stepped, skipped = scene.rays(*numbers(1)), raypath.UnitModel(unit), raypath.UnitModel(unit)
+    for model in (stepped, skipped):
+        while model.step(rays[0]).ray_ready:
+            pass
+    cycles = 0
+    while (outputs := stepped.outputs).hit is None and outputs.request is None and not outputs.ray_ready:
+        stepped.step(hit_ready=False, request_ready=False)
+        cycles += 1
+    assert cycles > 0
+    assert outputs.ray_ready
+    assert skipped.skip(1000) == cycles
 
 
 def test_simulation(unit: raypath.Unit, scene: raypath.UnitScene) -> None:
@@ -220,8 +274,8 @@ def test_instances(mesh: Mesh) -> None:
     np.testing.assert_array_equal((hits.instance * 100 + hits.triangle)[hit], expected.triangle[hit])
     for name in ("t", "t_num", "t_denom", "back_face"):
         np.testing.assert_array_equal(hits.array[name], expected.array[name])
-    assert not hits.instance[~hit].any()
-    assert (expected.instance[hit] == 2**32 - 1).all()
+    assert (hits.instance[~hit] == -1).all()
+    assert (expected.instance == -1).all()
     timed, _ = TWO_LEVELS.simulate(scene, rays, latency=5)
     np.testing.assert_array_equal(timed.array, hits.array)
     found = run(raypath.UnitModel(TWO_LEVELS), scene, rays[:30], 3)
@@ -274,7 +328,10 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
         r"node is quantised, expected wide4, which instances",
     ),
     (lambda unit: raypath.Unit(instances=2), r"instances: '2', expected true or false"),  # type: ignore[arg-type]
-    (lambda unit: unit.scene(TRIANGLE, instances=PLACES), r"instances: the unit has none, expected a Unit\(instances"),
+    (
+        lambda unit: unit.scene(TRIANGLE, instances=PLACES),
+        r"instances: the unit has none, expected a unit with instances",
+    ),
     (lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=PLACES[:0]), r"0 instances, expected at least 1"),
     (lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=0 * PLACES), r"instance 0: the matrix has no inverse"),
     (
@@ -286,8 +343,8 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
         r"instances: found a float64 array of shape \(3, 4\)",
     ),
     (
-        lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=PLACES.astype("f4")),
-        r"instances.astype\(numpy.float64\) converts",
+        lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=PLACES.astype(complex)),
+        r"instances: found a complex128 array",
     ),
     (lambda unit: unit.scene(ONES), r"triangles: found .* expected .* \(n, 3, 3\)"),
     (lambda unit: unit.scene(np.zeros((0, 3, 3), np.float32)), r"0 triangles, expected at least 1"),
@@ -320,7 +377,8 @@ def requesting(unit: raypath.Unit) -> raypath.UnitModel:
     model = raypath.UnitModel(unit)
     rays = raypath.UnitScene(b"", 32).rays(ONES, ONES)
     model.step(rays[0])
-    model.skip(1000)
+    while model.outputs.request is None:
+        model.skip(1000)
     assert model.outputs.request == (0, 0)
     model.step()
     return model

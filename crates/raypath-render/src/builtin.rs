@@ -1,7 +1,7 @@
 //! The built-in scene, for use without a mesh file.
 
-use crate::mesh::{Mesh, MeshError};
-use crate::vector::{Vector, add, cross, dot, scale, single, subtract, unit};
+use raypath_scene::mesh::{Mesh, MeshError};
+use raypath_scene::vector::{Vector, add, cross, dot, scale, single, subtract, unit};
 use std::collections::HashMap;
 use std::f64::consts::{GOLDEN_RATIO, TAU};
 

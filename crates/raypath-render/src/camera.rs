@@ -1,9 +1,9 @@
 //! Cameras and their primary rays.
 
-use crate::mesh::{Bounds, Mesh};
-use crate::placement::Placement;
-use crate::vector::{Vector, add, cross, dot, length, scale, single, subtract, unit, vector};
 use raypath_ops::{Binary32, Ray, RayError};
+use raypath_scene::mesh::{Bounds, Mesh};
+use raypath_scene::placement::Placement;
+use raypath_scene::vector::{Vector, add, cross, dot, length, scale, single, subtract, unit, vector};
 use thiserror::Error;
 
 /// A pinhole camera that looks at a point.

@@ -1,9 +1,9 @@
 //! Comparison of this tracer with the library obvhs.
 
-use crate::bvh::{binary_tree, peer_triangles};
 use crate::{Counts, Goal, Scene, Stopped, Tracer, Tracing};
 use obvhs::ray::{Ray as PeerRay, RayHit};
 use raypath_ops::{Binary32, Ray};
+use raypath_scene::bvh::{binary_tree, peer_triangles};
 use raypath_timing::Progress;
 use std::time::{Duration, Instant};
 

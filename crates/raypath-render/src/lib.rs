@@ -7,33 +7,28 @@
 //! jobs directly in software; [`time_rays`] and [`time_picture`] send them through a cycle-exact model of the pipeline
 //! and count cycles.
 
-pub mod blocks;
 pub mod builtin;
-pub mod bvh;
 pub mod camera;
 pub mod compare;
-pub mod mesh;
+pub mod instances;
 pub mod picture;
-pub mod placement;
 pub mod rays;
 pub mod read;
 pub mod render;
-mod scene;
 pub mod timing;
 pub mod trace;
-mod vector;
 
-pub use blocks::{Blocks, BlocksError};
 pub use builtin::builtin;
-pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};
-pub use mesh::{Bounds, Mesh, MeshError};
+pub use instances::{parse_instances, read_instances};
 pub use picture::{Picture, heatmap, to_png};
-pub use placement::{Placement, PlacementError, parse_instances, read_instances};
+pub use raypath_scene::{
+    Blocks, BlocksError, Bounds, Bvh4, Mesh, MeshError, Placement, PlacementError, Scene, SceneError, blocks, bvh,
+    mesh, placement,
+};
 pub use rays::{parse_hits, parse_rays, read_hits, read_rays, write_hits, write_rays};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{Costs, RenderError, Rendering, Rows, Shading, draw, render, render_rows};
-pub use scene::{Scene, SceneError};
 pub use timing::{
     PictureError, PictureSpec, RayBatch, UnitSystem, picture_jobs, sweep_picture, sweep_rays, time_picture,
     time_picture_through_unit, time_rays, time_rays_through_unit,

@@ -5,7 +5,7 @@ mod obj;
 mod ply;
 mod stl;
 
-use crate::mesh::Mesh;
+use raypath_scene::mesh::Mesh;
 use raypath_tools::MemoryLimit;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};

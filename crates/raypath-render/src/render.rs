@@ -128,6 +128,9 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// The maximum number of pixels in a row or column.
 pub const MAX_SIDE: u32 = 1 << 16;
 
+/// The pixels that a thread renders at once, so that it stops soon.
+const BATCH: usize = 64;
+
 /// Renders a picture of `size` = (width, height) pixels on all threads of rayon; all rays use the operations of the
 /// datapath. The picture does not depend on the number of threads. `progress` gets the number of completed pixels.
 ///
@@ -162,9 +165,9 @@ pub fn render_rows(
         return Err(RenderError::Rows { found: rows.end, height });
     }
     let progress = ProgressCounter::new(progress);
-    let first = rows.start as usize;
+    let first = rows.start as usize * width as usize;
     let mut pixels = vec![Pixel::default(); rows.len() * width as usize];
-    let rows = pixels.par_chunks_mut(width as usize).enumerate().map(|(row, pixels)| {
+    let rows = pixels.par_chunks_mut(BATCH).enumerate().map(|(batch, pixels)| {
         let mut costs = [Costs::default(); 3];
         if progress.is_stopped() {
             return Ok(costs);
@@ -172,7 +175,7 @@ pub fn render_rows(
         let mut tracer = Tracer::new(scene, shading.tracing);
         for (column, pixel) in pixels.iter_mut().enumerate() {
             let before = jobs(&costs);
-            let mut pixel_sampler = sampler.pixel((first + row) * width as usize + column);
+            let mut pixel_sampler = sampler.pixel(first + batch * BATCH + column);
             let mut hit = None;
             while let Some(SampleRay { ray, kind }) = pixel_sampler.next_ray(hit)? {
                 hit = tracer.trace(&ray, kind.goal());
@@ -181,7 +184,7 @@ pub fn render_rows(
             pixel.colour = pixel_sampler.colour();
             pixel.jobs = u32::try_from(jobs(&costs) - before).unwrap_or(u32::MAX);
         }
-        progress.add(width.into());
+        progress.add(pixels.len() as u64);
         Ok::<_, RayError>(costs)
     });
     let sums = |a: [Costs; 3], b: [Costs; 3]| Ok(std::array::from_fn(|kind| a[kind].and(b[kind])));

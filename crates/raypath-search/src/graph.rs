@@ -1,26 +1,28 @@
 use crate::exact::{check, norms};
+use crate::hnsw::{Hnsw, Scratch};
 use crate::{
     LaneCount, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance,
     kernel,
 };
-use hnsw_rs::prelude::{Distance, Hnsw};
+use fearless_simd::{Level, dispatch};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 use raypath_timing::{Progress, ProgressCounter};
-use std::fmt;
+use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// Approximate search, with the distances of the datapath, through a graph (Malkov and Yashunin, *Efficient and robust
 /// approximate nearest neighbor search using Hierarchical Navigable Small World graphs*, 2018).
 ///
-/// The graph is that of the crate `hnsw_rs`. Vectors are inserted one after another, so equal bases, parameters and
-/// seeds give equal graphs, on any machine and with any number of threads.
+/// Vectors are inserted one after another, so equal bases, parameters and seeds give equal graphs, on any machine and
+/// with any number of threads.
+#[derive(Debug)]
 pub struct Graph<'v> {
-    index: Hnsw<'static, Item, DatapathDistance<'v>>,
+    graph: Hnsw,
+    distances: Distances<'v>,
     built: Work,
 }
 
@@ -59,9 +61,6 @@ impl Default for GraphParameters {
     }
 }
 
-/// The maximum number of layers. A vector is in the second with probability 1/M, in the third with 1/M², and so on.
-const LAYERS: usize = 16;
-
 const EF_MAX: usize = 1 << 16;
 
 impl<'v> Graph<'v> {
@@ -80,20 +79,26 @@ impl<'v> Graph<'v> {
         in_range("connections", connections, 2..=255, "2 to 255")?;
         in_range("ef_construction", ef_construction, 1..=EF_MAX, "1 to 65536")?;
 
-        let distance = DatapathDistance::new(base, metric, lanes);
-        let index = Hnsw::new(connections, base.len(), LAYERS, ef_construction, distance);
+        let distances = Distances::new(base, metric, lanes);
+        let (mut random, mut graph) = (ChaCha8Rng::seed_from_u64(seed), Hnsw::new(base.len(), connections));
         let mut order: Vec<u32> = (0..base.len() as u32).collect();
-        order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+        order.shuffle(&mut random);
+        let evaluations = Cell::new(0);
+        let distance = |a: u32, b: u32| {
+            evaluations.set(evaluations.get() + 1);
+            let (vector, norm) = distances.vector(a);
+            distances.eval(vector, norm, b)
+        };
         for (done, &vector) in (1..).zip(&order) {
-            index.insert_slice((&[Item::Base(vector)], vector as usize));
+            dispatch!(distances.level, _simd => graph.insert(vector, ef_construction, &mut random, &distance));
             if !progress(done) {
                 return Err(SearchError::Stopped);
             }
         }
         // Each vector is the query of its insertion, so its norm takes a run in addition to the pairs.
         let norms = if metric == Metric::Angular { base.len() as u64 } else { 0 };
-        let built = index.get_distance().work(index.get_distance().evaluations.load(Ordering::Relaxed) + norms);
-        Ok(Self { index, built })
+        let built = distances.work(evaluations.get() + norms);
+        Ok(Self { graph, distances, built })
     }
 
     /// The work of the datapath to build the graph.
@@ -115,26 +120,27 @@ impl<'v> Graph<'v> {
         ef: usize,
         progress: Progress,
     ) -> Result<SearchResults, SearchError> {
-        let base = self.distance().base;
+        let base = self.distances.base;
         check(base.dimensions(), base.len(), queries.dimensions(), count)?;
         in_ef_range(ef, count)?;
         let began = Instant::now();
         let (progress, evaluations) = (ProgressCounter::new(progress), AtomicU64::new(0));
-        let one = |query: &[f32]| {
+        let one = |scratch: &mut Scratch, query: &[f32]| {
             if progress.is_stopped() {
                 return Vec::new();
             }
-            let query = Arc::new(self.distance().query(query, None));
-            let row = self.row(&query, count, ef);
-            evaluations.fetch_add(query.evaluations.load(Ordering::Relaxed), Ordering::Relaxed);
+            let mut own = self.distances.norm_evaluations();
+            let row = self.row(query, count, ef, scratch, |_| own += 1);
+            evaluations.fetch_add(own, Ordering::Relaxed);
             progress.add(1);
             row
         };
-        let rows = queries.data().par_chunks_exact(queries.dimensions()).map(one).collect();
+        let queries = queries.data().par_chunks_exact(queries.dimensions());
+        let rows = queries.map_init(|| Scratch::new(base.len()), one).collect();
         if progress.is_stopped() {
             return Err(SearchError::Stopped);
         }
-        let work = self.distance().work(evaluations.into_inner());
+        let work = self.distances.work(evaluations.into_inner());
         Ok(SearchResults { rows, work, seconds: began.elapsed().as_secs_f64() })
     }
 
@@ -161,15 +167,14 @@ impl<'v> Graph<'v> {
         beats: u64,
         progress: Progress,
     ) -> Result<Vec<SearchTrace>, SearchError> {
-        let DatapathDistance { base, metric, lanes, .. } = *self.distance();
+        let Distances { base, metric, lanes, .. } = self.distances;
         check(base.dimensions(), base.len(), queries.dimensions(), count)?;
         in_ef_range(ef, count)?;
-        let (mut traces, mut left) = (Vec::new(), beats);
+        let (mut traces, mut left, mut scratch) = (Vec::new(), beats, Scratch::new(base.len()));
         for query in queries.iter() {
-            let query = Arc::new(self.distance().query(query, Some(Mutex::default())));
-            let found = self.row(&query, count, ef).iter().map(|near| near.index).collect();
-            let candidates = query.candidates.as_ref().map(|list| std::mem::take(&mut *lock(list)));
-            let trace = SearchTrace { candidates: candidates.unwrap_or_default(), found };
+            let mut candidates = Vec::new();
+            let row = self.row(query, count, ef, &mut scratch, |candidate| candidates.push(candidate));
+            let trace = SearchTrace { candidates, found: row.iter().map(|near| near.index).collect() };
             match left.checked_sub(trace.work(metric, lanes, base.dimensions()).beats) {
                 Some(rest) => left = rest,
                 None => break,
@@ -182,27 +187,25 @@ impl<'v> Graph<'v> {
         Ok(traces)
     }
 
-    fn row(&self, query: &Arc<Query>, count: usize, ef: usize) -> Vec<Neighbour> {
-        let found = self.index.search(&[Item::Query(query.clone())], count, ef);
-        let mut row: Vec<Neighbour> = found
-            .iter()
-            .map(|near| {
-                let index = near.d_id as u32;
-                Neighbour { index, distance: self.distance().exactly(query, index) }
-            })
-            .collect();
+    /// The neighbours of a query. `evaluated` gets each vector whose distance was computed.
+    fn row(
+        &self,
+        query: &[f32],
+        count: usize,
+        ef: usize,
+        scratch: &mut Scratch,
+        mut evaluated: impl FnMut(u32),
+    ) -> Vec<Neighbour> {
+        let norm = self.distances.norm(query);
+        let mut distance = |candidate| {
+            evaluated(candidate);
+            self.distances.eval(query, norm, candidate)
+        };
+        let found = dispatch!(self.distances.level, _simd => self.graph.search(ef, scratch, &mut distance));
+        let exactly = |index| Neighbour { index, distance: self.distances.exactly(query, norm, index) };
+        let mut row: Vec<Neighbour> = found.iter().take(count).map(|near| exactly(near.item())).collect();
         row.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.index.cmp(&b.index)));
         row
-    }
-
-    fn distance(&self) -> &DatapathDistance<'v> {
-        self.index.get_distance()
-    }
-}
-
-impl fmt::Debug for Graph<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Graph").field("built", &self.built).finish_non_exhaustive()
     }
 }
 
@@ -220,93 +223,63 @@ fn in_range(
     if range.contains(&found) { Ok(()) } else { Err(problem()) }
 }
 
-#[derive(Clone)]
-enum Item {
-    Base(u32),
-    Query(Arc<Query>),
-}
-
-struct Query {
-    vector: Vec<f32>,
-    norm: f32,
-    evaluations: AtomicU64,
-    /// The candidates in order, if they are recorded.
-    candidates: Option<Mutex<Vec<u32>>>,
-}
-
-struct DatapathDistance<'v> {
+/// The distances of a base, as the datapath computes them.
+#[derive(Debug)]
+struct Distances<'v> {
     base: &'v Vectors,
     metric: Metric,
     lanes: LaneCount,
+    level: Level,
     /// The squared norms of the base for the angular metric.
     norms: Vec<f32>,
-    /// The number of evaluated pairs of vectors of the base.
-    evaluations: AtomicU64,
 }
 
-impl<'v> DatapathDistance<'v> {
+impl<'v> Distances<'v> {
     fn new(base: &'v Vectors, metric: Metric, lanes: LaneCount) -> Self {
-        let norms = norms(base, metric, lanes);
-        Self { base, metric, lanes, norms, evaluations: AtomicU64::new(0) }
+        Self { base, metric, lanes, level: Level::new(), norms: norms(base, metric, lanes) }
     }
 
-    /// A query, with its norm for the angular metric.
-    fn query(&self, vector: &[f32], candidates: Option<Mutex<Vec<u32>>>) -> Query {
-        let (norm, evaluations) = match self.metric {
-            Metric::Euclidean => (0.0, 0),
-            Metric::Angular => (kernel::norm(self.lanes, vector), 1),
-        };
-        Query { vector: vector.to_vec(), norm, evaluations: AtomicU64::new(evaluations), candidates }
+    /// The squared norm of a query, for the angular metric.
+    fn norm(&self, query: &[f32]) -> f32 {
+        match self.metric {
+            Metric::Euclidean => 0.0,
+            Metric::Angular => kernel::norm(self.lanes, query),
+        }
     }
 
+    /// The runs of the datapath for the norm of a query.
+    fn norm_evaluations(&self) -> u64 {
+        u64::from(self.metric == Metric::Angular)
+    }
+
+    /// A vector of the base, and its squared norm.
+    #[inline(always)]
     fn vector(&self, index: u32) -> (&[f32], f32) {
         let norm = self.norms.get(index as usize).copied().unwrap_or(0.0);
         (self.base.get(index as usize).unwrap_or_default(), norm)
     }
 
-    /// The distance between a query and a vector of the base, without counting it.
-    fn exactly(&self, query: &Query, index: u32) -> f64 {
+    /// The squared Euclidean or the cosine distance in binary32; neither NaN nor negative. Call it inside
+    /// [`fearless_simd::dispatch`].
+    #[inline(always)]
+    fn eval(&self, query: &[f32], query_norm: f32, index: u32) -> f32 {
+        let ((candidate, norm), lanes) = (self.vector(index), self.lanes);
+        match self.metric {
+            Metric::Euclidean => kernel::squared(lanes, query, candidate),
+            Metric::Angular => cosine_distance(kernel::dot_product(lanes, query, candidate), query_norm, norm) as f32,
+        }
+    }
+
+    /// The distance between a query and a vector of the base.
+    fn exactly(&self, query: &[f32], query_norm: f32, index: u32) -> f64 {
         let (candidate, norm) = self.vector(index);
         match self.metric {
-            Metric::Euclidean => euclidean_distance(kernel::squared(self.lanes, &query.vector, candidate)),
-            Metric::Angular => {
-                cosine_distance(kernel::dot_product(self.lanes, &query.vector, candidate), query.norm, norm)
-            }
+            Metric::Euclidean => euclidean_distance(kernel::squared(self.lanes, query, candidate)),
+            Metric::Angular => cosine_distance(kernel::dot_product(self.lanes, query, candidate), query_norm, norm),
         }
     }
 
     fn work(&self, evaluations: u64) -> Work {
         Work::of(evaluations, self.metric, self.lanes, self.base.dimensions())
     }
-}
-
-impl Distance<Item> for DatapathDistance<'_> {
-    /// The squared Euclidean or the cosine distance in binary32; neither NaN nor negative.
-    fn eval(&self, a: &[Item], b: &[Item]) -> f32 {
-        let ([a], [Item::Base(candidate)]) = (a, b) else { return f32::INFINITY };
-        let (query, query_norm) = match a {
-            Item::Base(index) => {
-                self.evaluations.fetch_add(1, Ordering::Relaxed);
-                self.vector(*index)
-            }
-            Item::Query(query) => {
-                query.evaluations.fetch_add(1, Ordering::Relaxed);
-                if let Some(list) = &query.candidates {
-                    lock(list).push(*candidate);
-                }
-                (&query.vector[..], query.norm)
-            }
-        };
-        let (candidate, norm) = self.vector(*candidate);
-        match self.metric {
-            Metric::Euclidean => kernel::squared(self.lanes, query, candidate),
-            Metric::Angular => {
-                cosine_distance(kernel::dot_product(self.lanes, query, candidate), query_norm, norm) as f32
-            }
-        }
-    }
-}
-
-fn lock(list: &Mutex<Vec<u32>>) -> MutexGuard<'_, Vec<u32>> {
-    list.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,15 +1,12 @@
-//! Evaluation of the distance operations of `raypath_ops` for searches: one candidate over [`Binary32`] ([`pair`]), or
-//! sixteen in parallel over [`Lanes`] ([`block`]).
+//! Evaluation of the distance operations of `raypath_ops` for searches: one candidate in the order of their sums
+//! ([`squared`], [`dot_product`]), or sixteen in parallel by the operations over [`Lanes`] ([`block`]).
 
 use crate::lanes::with_lanes;
 use crate::vectors::Vectors;
 use crate::{LaneCount, Metric, cosine_distance, euclidean_distance};
 use fearless_simd::Simd;
 use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, SimdKernels};
-use raypath_ops::{
-    Angular, AngularState, Beat, BeatInput, Binary32, Circuit, Euclidean, EuclideanState, Family, Flags, Kernels, Num,
-    Operation, Rounding, array_of,
-};
+use raypath_ops::{Beat, BeatInput, Binary32, Circuit, Family, Flags, Kernels, Num, Operation, array_of};
 
 /// One coordinate of all candidates of a block.
 pub(crate) type Lane = Num<Packed>;
@@ -50,22 +47,20 @@ impl Blocks {
 }
 
 /// The squared Euclidean distance of a query and one candidate.
-#[inline]
+#[inline(always)]
 pub(crate) fn squared(lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f32 {
-    let sums = with_lanes!(lanes, E, A => {
-        pair(&Euclidean::<E> { rounding: Rounding::Unit }, EuclideanState::zero(Binary32), query, candidate)
-    });
-    sums.accumulator.into()
+    let square = |a: f32, b: f32| (a - b) * (a - b);
+    with_lanes!(lanes, E, A => sum_of_beats::<E>(query, candidate, square))
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn dot_product(lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f32 {
-    angular(lanes, query, candidate).dot_product.into()
+    with_lanes!(lanes, E, A => sum_of_beats::<A>(query, candidate, |a, b| a * b))
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn norm(lanes: LaneCount, vector: &[f32]) -> f32 {
-    angular(lanes, vector, vector).norm.into()
+    dot_product(lanes, vector, vector)
 }
 
 /// The distance of a query and one candidate.
@@ -73,33 +68,38 @@ pub(crate) fn distance(metric: Metric, lanes: LaneCount, query: &[f32], candidat
     match metric {
         Metric::Euclidean => euclidean_distance(squared(lanes, query, candidate)),
         Metric::Angular => {
-            let sums = angular(lanes, query, candidate);
-            cosine_distance(sums.dot_product.into(), norm(lanes, query), sums.norm.into())
+            let dot = dot_product(lanes, query, candidate);
+            cosine_distance(dot, norm(lanes, query), norm(lanes, candidate))
         }
     }
 }
 
-#[inline]
-fn angular(lanes: LaneCount, query: &[f32], candidate: &[f32]) -> AngularState<Binary32> {
-    with_lanes!(lanes, E, A => {
-        pair(&Angular::<A> { rounding: Rounding::Unit }, AngularState::zero(Binary32), query, candidate)
-    })
-}
-
-/// The sums of a query and one candidate of the same dimension.
+/// The sum of a term of each pair of coordinates, in the order of the operations: beats of `N` terms, each added up as
+/// term i and term i + half. It is in plain `f32`, which compilers turn into SIMD instructions of any width.
 #[inline(always)]
-fn pair<O, const N: usize>(op: &O, zero: O::State<Binary32>, query: &[f32], candidate: &[f32]) -> O::State<Binary32>
-where
-    O: Operation<Input<Binary32> = BeatInput<Binary32, N>>,
-{
+fn sum_of_beats<const N: usize>(query: &[f32], candidate: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
     let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
-    let whole = query.iter().zip(candidate).map(
-        #[inline(always)]
-        |(a, b)| [array_of!(i => a[i].into()), array_of!(i => b[i].into())],
-    );
-    let coordinate = |of: &[f32], i: usize| of.get(i).copied().unwrap_or(0.0).into();
-    let end = [array_of!(i => coordinate(query_end, i)), array_of!(i => coordinate(candidate_end, i))];
-    run(Binary32, SimdKernels, op, zero, whole, (!query_end.is_empty()).then_some(end), query_end.len())
+    let beat = |a: &[f32; N], b: &[f32; N]| {
+        let mut terms: [f32; N] = std::array::from_fn(|i| term(a[i], b[i]));
+        let mut half = N / 2;
+        while half > 0 {
+            for i in 0..half {
+                terms[i] += terms[i + half];
+            }
+            half /= 2;
+        }
+        terms[0]
+    };
+    let mut sum = 0.0;
+    for (a, b) in query.iter().zip(candidate) {
+        sum += beat(a, b);
+    }
+    if !query_end.is_empty() {
+        // A lane that is masked off adds +0.0, as a term of zeros does.
+        let padded = |end: &[f32]| std::array::from_fn(|i| end.get(i).copied().unwrap_or(0.0));
+        sum += beat(&padded(query_end), &padded(candidate_end));
+    }
+    sum
 }
 
 /// The sums, selected by `sum`, of a query and the candidates of a block. Both are padded to a multiple of `N`; the

@@ -23,6 +23,7 @@ mod exact;
 mod files;
 mod generated;
 mod graph;
+mod hnsw;
 mod kernel;
 mod lanes;
 mod metric;

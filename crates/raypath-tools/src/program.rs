@@ -94,7 +94,7 @@ pub(crate) struct Run<'a> {
 #[derive(Debug)]
 pub(crate) enum Ended {
     Success,
-    Failure(ExitStatus),
+    Failure(#[cfg_attr(not(feature = "cache"), allow(dead_code))] ExitStatus),
     /// It was stopped, or did not end within the limit.
     Cut,
 }

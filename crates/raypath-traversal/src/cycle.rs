@@ -11,7 +11,7 @@ pub(crate) mod timing;
 use crate::engine::{UnitEngine, UnitInputs, UnitOutputs};
 use crate::hardware::{UnitNetlist, UnitParameters};
 use contexts::PortContexts;
-use raypath_model::Shape;
+use raypath_model::{Shape, state};
 pub use timing::UnitCounts;
 use timing::{Edge, Timing};
 
@@ -21,6 +21,8 @@ pub struct UnitModel {
     timing: Timing,
     contexts: PortContexts,
 }
+
+state! { UnitModel { timing, contexts } }
 
 impl UnitModel {
     /// The model of a unit after a reset, whose datapath has this shape.

@@ -4,6 +4,7 @@ use crate::answers::{Answers, quotient};
 use crate::state::{NO_INSTANCE, RayState, status};
 use crate::step::{StepParameters, UnitFeatures};
 use crate::walk::{AskedKind, Walk};
+use raypath_model::state;
 use raypath_ops::{Binary32, Rules};
 use thiserror::Error;
 
@@ -51,7 +52,7 @@ pub struct RayRequest {
 }
 
 /// The hit of a ray.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Hit {
     /// The index of the triangle.
     pub triangle: u32,
@@ -70,7 +71,7 @@ pub struct Hit {
 }
 
 /// What the unit returns for a ray.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reply {
     /// One of [`status`].
     pub status: u32,
@@ -81,6 +82,11 @@ pub struct Reply {
     pub nodes: u32,
     /// The triangles that were fetched.
     pub triangles: u32,
+}
+
+state! {
+    Reply { status, hit, nodes, triangles }
+    Hit { triangle, t, t_num, t_denom, back_face, barycentric, instance }
 }
 
 /// The functional model of the unit.

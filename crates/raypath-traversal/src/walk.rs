@@ -8,6 +8,7 @@ use crate::native::{self, Stack, empty_stack};
 use crate::set_up::Entry;
 use crate::state::{Answer, RayState, Request, request, status};
 use crate::step::{StepParameters, UnitFeatures};
+use raypath_model::{State, StateWords, state};
 use raypath_ops::{Binary32, Vec3, Word};
 
 /// A ray on its way through a scene.
@@ -31,6 +32,8 @@ pub(crate) struct Asked {
     pub count: u8,
     /// Of a block: it is an instance's.
     pub is_instance: bool,
+    /// The ray descends again from the root.
+    pub restarts: bool,
     /// The address of a block.
     pub address: u32,
 }
@@ -112,9 +115,11 @@ impl Walk {
 
     #[inline(always)]
     fn advance(&mut self, parameters: StepParameters, answer: Answer<Binary32>) -> Asked {
+        let was_restarting = self.state.restarting;
         let request = native::step(parameters, &mut self.state, answer, &mut self.stack);
         self.status = request.status.value;
         self.asked = Asked::of(&request);
+        self.asked.restarts = (self.state.restarting & !was_restarting).into();
         self.asked
     }
 
@@ -130,6 +135,29 @@ impl Walk {
     }
 }
 
+state! { Asked { kind, count, is_instance, restarts, address } }
+
+impl State for AskedKind {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        words.one_of(self, &[Self::Block, Self::Again, Self::Nothing, Self::Begin]);
+    }
+}
+
+impl State for Walk {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let Self { outside, inside, limits, state, stack, asked, status } = self;
+        for ReadyRay { ray, is_refused } in [outside, inside] {
+            words.bundle(ray);
+            is_refused.pass(words);
+        }
+        words.bundle(limits);
+        words.bundle(state);
+        stack.iter_mut().for_each(|group| words.bundle(group));
+        asked.pass(words);
+        status.pass(words);
+    }
+}
+
 impl AskedKind {
     /// The number of kinds.
     pub const COUNT: usize = 4;
@@ -137,7 +165,8 @@ impl AskedKind {
 
 impl Asked {
     /// Nothing.
-    pub const NOTHING: Self = Self { kind: AskedKind::Nothing, count: 0, is_instance: false, address: 0 };
+    pub const NOTHING: Self =
+        Self { kind: AskedKind::Nothing, count: 0, is_instance: false, restarts: false, address: 0 };
 
     /// What a request asks for.
     #[inline(always)]
@@ -148,6 +177,6 @@ impl Asked {
             _ => AskedKind::Nothing,
         };
         let (count, is_instance) = (asked.count.value as u8, asked.is_instance.into());
-        Self { kind, count, is_instance, address: asked.address.value }
+        Self { kind, count, is_instance, restarts: false, address: asked.address.value }
     }
 }

@@ -175,6 +175,7 @@ static void generation(const raypath_datapath *datapath, const char *folder) {
 int main(int count, char **arguments) {
   CHECK(count == 2);
   CHECK(raypath_abi_version() == RAYPATH_ABI_VERSION && strchr(raypath_version(), '.') != NULL);
+  CHECK(strlen(raypath_commit()) == 40 || strlen(raypath_commit()) == 0);
   opening();
   rays();
   raypath_datapath *datapath = NULL;

@@ -50,6 +50,11 @@ static void ownership() {
   const raypath::Box box = {{-1, -1, 1}, {1, 1, 2}};
   const auto accepted = other.offer(raypath::quadbox_job(*ray, {box, box, box, box}), 42);
   CHECK(accepted && *accepted);
+  const auto state = other.save();
+  auto copy = other.clone(), restored = raypath::Pipeline::create(moved);
+  CHECK(copy && restored && restored->restore(state) && copy->save() == state && restored->save() == state);
+  CHECK(copy->skip(100) == 12 && restored->skip(100) == 12 && restored->step(true)->tag == 42);
+  CHECK(!restored->restore({state.data(), state.size() - 1}) && !restored->restore({}) && restored->occupancy() == 0);
   CHECK(other.skip(100) == 12 && other.output_valid() && other.occupancy() == 1);
   const auto result = other.step(true);
   CHECK(result && result->tag == 42 && result->output.quadbox.tmin[3] == 6.0f);
@@ -90,6 +95,25 @@ static void traversal() {
   CHECK(unit.trace(scene, rays, {}).error().status == RAYPATH_ERROR_ARGUMENT);
   CHECK(!unit.generate("/dev/null/x"));
 
+  // The same triangle as a scene that raypath builds: the same hit, but for its index.
+  const float vertices[][3] = {{-1, -1, 3}, {1, -1, 3}, {0, 1, 3}};
+  const std::uint32_t triangles[][3] = {{0, 1, 2}};
+  const auto built = raypath::Scene::build(unit, vertices, triangles);
+  CHECK(built && built->bytes().size() == 256 && built->reach() == 32.0f);
+  std::array<raypath::UnitRay, 1> again = rays;
+  again[0].root = built->root();
+  std::array<raypath::UnitHit, 1> found{};
+  CHECK(unit.trace(built->bytes(), again, found) && found[0].triangle == 0 && found[0].t == 1.5f);
+  const std::uint32_t wrong[][3] = {{0, 1, 3}};
+  CHECK(raypath::Scene::build(unit, vertices, wrong).error().message.find("names vertex 3") != std::string::npos);
+  const double place[][3][4] = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 5}}};
+  CHECK(raypath::Scene::build(unit, vertices, triangles, place).error().status == RAYPATH_ERROR_ARGUMENT);
+  const auto two_levels = raypath::Unit::open("instances = true");
+  const auto placed = raypath::Scene::build(*two_levels, vertices, triangles, place, 100.0f);
+  CHECK(placed && placed->reach() == 100.0f);
+  again[0].root = placed->root();
+  CHECK(two_levels->trace(placed->bytes(), again, found) && found[0].t == 4.0f && found[0].instance == 0);
+
   auto model = raypath::UnitModel::create(unit);
   CHECK(model && model->outputs().ray_ready == 1);
   raypath::UnitInputs inputs{};
@@ -98,7 +122,9 @@ static void traversal() {
   inputs.ray_valid = 1;
   CHECK(model->step(inputs));
   inputs = {};
-  CHECK(model->skip(1000) == 22);  // its first request is in cycle 23, as docs/reference/unit.md states
+  std::uint64_t cycles = 0;
+  while (!model->outputs().mem_req_valid) cycles += model->skip(1000);
+  CHECK(cycles == 22);  // its first request is in cycle 23, as docs/reference/unit.md states
   CHECK(model->outputs().mem_req_valid == 1 && model->outputs().mem_req_addr == 0);
   inputs.mem_rsp_tag = model->outputs().mem_req_tag;
   inputs.mem_req_ready = 1;
@@ -109,7 +135,11 @@ static void traversal() {
     CHECK(model->step(inputs));
   }
   CHECK(!model->step(inputs));  // the block is complete
-  model->skip(1000);
+  auto copy = model->clone(), restored = raypath::UnitModel::create(unit);
+  CHECK(copy && restored && restored->restore(model->save()) && copy->save() == model->save());
+  for (auto *one : {&*model, &*copy, &*restored})
+    while (!one->outputs().hit_valid) one->skip(1000);
+  CHECK(copy->counts().cycles == model->counts().cycles && restored->save() == model->save());
   const auto outputs = model->outputs();
   CHECK(outputs.hit_valid == 1 && outputs.hit_id == 42);
   CHECK(std::memcmp(&outputs.hit, &hits[0], sizeof hits[0]) == 0);

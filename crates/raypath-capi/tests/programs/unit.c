@@ -179,7 +179,7 @@ static void run(raypath_unit_model *model, uint64_t latency, size_t size, bool s
   static const uint8_t nothing[BLOCK];
   const size_t width = 32; /* bytes of a beat of 256 bits */
   size_t first = 0, last = 0, done = 0, beat = 0, beats = 0;
-  uint64_t offered = 0, cycle = 0;
+  uint64_t offered = 0, cycle = 0, inside = 0, waited = 0;
   memset(found, 0xee, RAYS * sizeof *found);
   while (done < RAYS) {
     raypath_unit_outputs outputs;
@@ -202,9 +202,12 @@ static void run(raypath_unit_model *model, uint64_t latency, size_t size, bool s
       const uint64_t skipped = raypath_unit_model_skip(model, most);
       CHECK(skipped >= 1 && skipped <= most);
       cycle += skipped;
+      inside += (offered - done) * skipped;
       continue;
     }
     CHECK(raypath_unit_model_step(model, &inputs) == RAYPATH_OK);
+    inside += offered - done;
+    waited += inputs.ray_valid && !outputs.ray_ready;
     if (inputs.ray_valid && outputs.ray_ready) offered++;
     if (outputs.mem_req_valid) {
       CHECK(outputs.mem_req_addr % BLOCK == 0 && last < sizeof queue / sizeof *queue);
@@ -224,6 +227,10 @@ static void run(raypath_unit_model *model, uint64_t latency, size_t size, bool s
   CHECK(raypath_unit_model_counts(model, &counts) == RAYPATH_OK);
   CHECK(counts.rays == RAYS && counts.cycles == cycle && counts.fetches == last && 4 * last == beats);
   if (size >= sizeof scene) CHECK(counts.boxes == nodes && counts.triangles == tested);
+  raypath_unit_stalls stalls;
+  CHECK(raypath_unit_model_stalls(model, &stalls) == RAYPATH_OK);
+  CHECK(stalls.rays_inside == 0 && stalls.ray_cycles == inside && stalls.hit_stalls == 0 && stalls.request_stalls == 0);
+  CHECK(stalls.ray_stalls == waited);
 }
 
 static void cycle_exact_model(const raypath_unit *unit) {
@@ -308,8 +315,10 @@ static void wrong_inputs(const raypath_unit *unit) {
   inputs.mem_rsp_valid = 0;
   CHECK(raypath_unit_model_step(model, &inputs) == RAYPATH_OK);
   inputs.ray_valid = 0;
-  raypath_unit_model_skip(model, 1000);
-  CHECK(raypath_unit_model_outputs(model, &outputs) == RAYPATH_OK && outputs.mem_req_valid == 1);
+  do {
+    CHECK(raypath_unit_model_skip(model, 1000) > 0);
+    CHECK(raypath_unit_model_outputs(model, &outputs) == RAYPATH_OK);
+  } while (!outputs.mem_req_valid);
   CHECK(raypath_unit_model_skip(model, 1000) == 0); /* a request is at the outputs already */
   inputs.mem_rsp_valid = 1, inputs.mem_rsp_tag = outputs.mem_req_tag;
   CHECK_FAILS(raypath_unit_model_step(model, &inputs), RAYPATH_ERROR_ARGUMENT, "expected that of a request");

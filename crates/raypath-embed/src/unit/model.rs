@@ -3,19 +3,44 @@
 use super::Unit;
 use super::layout::{UnitHit, UnitRay};
 use crate::Error;
+use crate::state::{restore, save};
+use raypath_model::state;
 use raypath_traversal::{self as unit, BlockRequest, Response, UnitCounts, UnitEngine, UnitParameters};
+use std::sync::Arc;
 
 /// The cycle-exact model of a unit. In every cycle its outputs are those of the hardware.
 ///
 /// A cycle consists of [`outputs`](Self::outputs), which depend on earlier cycles alone, then a [`step`](Self::step).
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct UnitModel {
     inner: unit::UnitModel,
     outputs: unit::UnitOutputs,
     parameters: UnitParameters,
     /// For each tag, the beats of the requested block that have not arrived.
     awaited: Vec<u32>,
+    stalls: UnitStalls,
+    /// The unit in words.
+    unit: Arc<str>,
 }
+
+/// Where rays, hits and requests waited since the last reset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct UnitStalls {
+    /// The rays inside, accepted and not taken as hits.
+    pub rays_inside: u64,
+    /// The sum of the rays inside over all cycles: divided by the cycles, the contexts in use.
+    pub ray_cycles: u64,
+    /// Cycles in which a ray was offered and not accepted.
+    pub ray_stalls: u64,
+    /// Cycles in which a hit was not taken.
+    pub hit_stalls: u64,
+    /// Cycles in which a request was not taken.
+    pub request_stalls: u64,
+}
+
+state! { UnitStalls { rays_inside, ray_cycles, ray_stalls, hit_stalls, request_stalls } }
+
+state! { UnitModel { inner, awaited, stalls } }
 
 /// The inputs of the unit in a cycle.
 #[derive(Debug, Clone, Copy, Default)]
@@ -46,7 +71,8 @@ impl UnitModel {
     pub fn new(unit: &Unit) -> Self {
         let mut inner = unit::UnitModel::of(unit.netlist());
         let parameters = unit.parameters();
-        Self { outputs: inner.outputs(), inner, awaited: vec![0; parameters.contexts as usize], parameters }
+        let (outputs, awaited) = (inner.outputs(), vec![0; parameters.contexts as usize]);
+        Self { inner, outputs, parameters, awaited, stalls: UnitStalls::default(), unit: unit.description().into() }
     }
 
     /// The outputs in this cycle.
@@ -69,6 +95,7 @@ impl UnitModel {
         }
         let UnitInputs { ray, hit_ready, request_ready, response } = *inputs;
         let ray = ray.map(|(id, ray)| (id, ray.into()));
+        self.count(ray.is_some(), hit_ready, request_ready, 1);
         self.inner.cycle(&unit::UnitInputs { ray, hit_ready, request_ready, response });
         if let Some(awaited) = response.and_then(|response| self.awaited.get_mut(response.tag as usize)) {
             *awaited -= 1;
@@ -83,11 +110,17 @@ impl UnitModel {
     }
 
     /// Advances up to `limit` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the
-    /// first with a hit or a request. Returns the number of cycles.
+    /// first in which an input could change something: with a hit or a request, or in which a ray is accepted and was
+    /// not before. Returns the number of cycles.
     pub fn skip(&mut self, limit: u64) -> u64 {
-        let mut passed = 0;
+        let (mut passed, mut was_ready) = (0, self.outputs.ray_ready);
         while passed < limit && self.outputs.hit.is_none() && self.outputs.request.is_none() {
+            if self.outputs.ray_ready && !was_ready {
+                break;
+            }
+            was_ready = self.outputs.ray_ready;
             let still = self.inner.idle(limit - passed);
+            self.count(false, false, false, still.max(1));
             if still == 0 {
                 self.inner.cycle(&unit::UnitInputs::default());
                 self.outputs = self.inner.outputs();
@@ -102,11 +135,45 @@ impl UnitModel {
         self.inner.counts()
     }
 
+    /// Where rays, hits and requests waited since the last reset.
+    pub fn stalls(&self) -> UnitStalls {
+        self.stalls
+    }
+
+    /// Counts cycles with these inputs.
+    fn count(&mut self, offers: bool, hit_ready: bool, request_ready: bool, cycles: u64) {
+        let unit::UnitOutputs { ray_ready, hit, request, .. } = self.outputs;
+        let stalls = &mut self.stalls;
+        stalls.ray_cycles = stalls.ray_cycles.saturating_add(stalls.rays_inside.saturating_mul(cycles));
+        stalls.ray_stalls += u64::from(offers & !ray_ready);
+        stalls.hit_stalls += u64::from(hit.is_some() & !hit_ready);
+        stalls.request_stalls += u64::from(request.is_some() & !request_ready);
+        stalls.rays_inside += u64::from(offers & ray_ready);
+        stalls.rays_inside = stalls.rays_inside.saturating_sub((hit.is_some() & hit_ready).into());
+    }
+
+    /// The whole state as bytes, for [`restore`](Self::restore).
+    pub fn save(&self) -> Vec<u8> {
+        save(self, &self.unit)
+    }
+
+    /// Takes over a saved state of a model of an equal unit.
+    ///
+    /// # Errors
+    /// Bytes that no such model of this release has saved. Then nothing changes.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let unit = self.unit.clone();
+        restore(self, &unit, bytes)?;
+        self.outputs = self.inner.outputs();
+        Ok(())
+    }
+
     /// A cycle in which `rst_ni` is 0: all rays are lost, and requests get no response.
     pub fn reset(&mut self) {
         self.inner.reset();
         self.outputs = self.inner.outputs();
         self.awaited.fill(0);
+        self.stalls = UnitStalls::default();
     }
 
     fn check_ray(&self, id: u64, ray: &UnitRay) -> Result<(), Error> {

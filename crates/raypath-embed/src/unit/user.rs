@@ -14,7 +14,7 @@ pub struct List<'l> {
 }
 
 /// Hits between two calls of the progress.
-const STRIDE: u64 = 1024;
+const STRIDE: u64 = 64;
 
 impl<'l> List<'l> {
     pub fn new(rays: &'l [UnitRay], hits: &'l mut [UnitHit], progress: &'l dyn Fn(u64) -> bool) -> Self {

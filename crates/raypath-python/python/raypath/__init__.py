@@ -2,8 +2,8 @@
 
 A :class:`Datapath` computes arrays of jobs, bit for bit as the hardware does, and writes the hardware. A
 :class:`Pipeline` adds clock cycles. A :class:`Unit` is the traversal unit around a datapath: a ray goes in, its hit
-comes out; a :class:`UnitModel` adds clock cycles. :func:`render`, :func:`trace` and :func:`search` work on meshes and
-vectors.
+comes out; a :class:`UnitModel` adds clock cycles. :func:`render` and :func:`trace` work on a :class:`Scene`,
+:func:`search` on vectors.
 
 Example:
     >>> import numpy as np, raypath
@@ -24,6 +24,7 @@ from raypath._raypath import (
     Pipeline,
     QuadboxHits,
     Rendering,
+    Scene,
     Search,
     Trace,
     TriangleHits,
@@ -52,6 +53,7 @@ __all__ = [
     "Pipeline",
     "QuadboxHits",
     "Rendering",
+    "Scene",
     "Search",
     "Trace",
     "TriangleHits",

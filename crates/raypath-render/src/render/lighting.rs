@@ -1,10 +1,10 @@
 //! Lighting and shading: a sun, a sky, and a diffuse clay material.
 
-use crate::vector::{Vector, add, cross, dot, scale, single, subtract, unit, vector};
 use crate::{Camera, Hit, Scene};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::{Binary32, Ray};
+use raypath_scene::vector::{Vector, add, cross, dot, scale, single, subtract, unit, vector};
 use std::f64::consts::TAU;
 
 pub(super) type Colour = [f64; 3];

@@ -3,10 +3,10 @@
 use super::lighting::{self, Colour, Lighting, SurfacePoint};
 use super::{MAX_PIXELS, MAX_SIDE, RenderError, Shading};
 use crate::camera::View;
-use crate::vector::add;
 use crate::{Camera, Goal, Hit, Scene};
 use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray, RayError};
+use raypath_scene::vector::add;
 
 /// The data that all pixels of a picture share.
 pub(crate) struct PictureSampler<'s> {

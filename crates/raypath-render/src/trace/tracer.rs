@@ -1,15 +1,15 @@
 use super::traversal::Request;
 use super::{Counts, Goal, Hit, Stopped, TraceError, Tracing, Traversal, UnitErrors};
-use crate::blocks::Blocks;
-use crate::scene::Scene;
 use rayon::prelude::*;
 use raypath_model::SimdKernels;
 use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rounding, Rules};
+use raypath_scene::Scene;
+use raypath_scene::blocks::Blocks;
 use raypath_timing::{Progress, ProgressCounter};
 use raypath_traversal::{StepParameters, Unit};
 
 /// The number of rays in a unit of parallel work.
-const BATCH: usize = 4096;
+const BATCH: usize = 512;
 
 /// Traces rays on all threads of rayon. Returns the closest hit of each ray, in order, and the total cost; the result
 /// does not depend on the number of threads. `progress` gets the number of completed rays.

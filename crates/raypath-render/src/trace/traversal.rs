@@ -1,9 +1,9 @@
 use super::{Counts, Goal, Hit, Tracing};
-use crate::bvh::{Bvh4, Reference, Target};
 use raypath_model::Functional;
 use raypath_ops::{
     Aabb, Binary32, Job, Outcome, Ray, RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Triangle, Word,
 };
+use raypath_scene::bvh::{Bvh4, Reference, Target};
 use raypath_timing::{Action, Agent};
 
 /// The traversal of the tree by one ray: an [`Agent`] that issues box and triangle jobs and keeps the hit.

@@ -1,6 +1,6 @@
 //! The operations of a configuration, for hardware and models alike.
 
-use super::declarations::Semantics;
+use super::declarations::{Features, Semantics};
 use super::enumerations::{Accumulators, Lanes};
 use raypath_ops::operations::quantised_box::QuantisedBox;
 use raypath_ops::{
@@ -35,13 +35,9 @@ impl Semantics {
         } else {
             visitor.visit(RayBox { rules }, JobKind::Quadbox.opcode())?;
         }
-        if features.extend_triangles() {
-            let (culling, facing) = (features.culling, features.facing);
-            let (barycentrics, range) = (features.barycentrics, features.range);
-            let extended = RayTriangleExtended { rules, rounding, culling, facing, barycentrics, range };
-            visitor.visit(extended, JobKind::Triangle.opcode())?;
-        } else {
-            visitor.visit(RayTriangle { rules, rounding }, JobKind::Triangle.opcode())?;
+        match self.extended_triangle() {
+            Some(extended) => visitor.visit(extended, JobKind::Triangle.opcode())?,
+            None => visitor.visit(RayTriangle { rules, rounding }, JobKind::Triangle.opcode())?,
         }
         match self.lanes {
             Lanes::None => Ok(()),
@@ -52,6 +48,14 @@ impl Semantics {
             Lanes::ThirtyTwo => distances::<32, 16, V>(self, visitor),
             Lanes::SixtyFour => distances::<64, 32, V>(self, visitor),
         }
+    }
+
+    /// The triangle test with the features that change it; `None` without such a feature.
+    pub fn extended_triangle(self) -> Option<RayTriangleExtended> {
+        let (rules, rounding) = (self.rules_in_full(), self.rounding);
+        let Features { culling, facing, barycentrics, range, .. } = self.features;
+        let extended = RayTriangleExtended { rules, rounding, culling, facing, barycentrics, range };
+        self.features.extend_triangles().then_some(extended)
     }
 }
 

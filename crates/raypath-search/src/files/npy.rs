@@ -11,9 +11,10 @@ use std::path::Path;
 pub(super) fn vectors(file: &Path, limit: MemoryLimit) -> Result<(usize, Vec<f32>), FileError> {
     let array = Array::open(file, limit)?;
     let coordinates = match array.kind {
+        (TypeChar::Float, 2) => array.read(half::f16::to_f32),
         (TypeChar::Float, 4) => array.read(|x: f32| x),
         (TypeChar::Float, 8) => array.read(|x: f64| x as f32),
-        _ => return array.integers(|x| x as f32, "floats of 4 or 8 bytes, or integers of 1, 2, 4 or 8"),
+        _ => return array.integers(|x| x as f32, "floats of 2, 4 or 8 bytes, or integers of 1, 2, 4 or 8"),
     };
     coordinates.map_err(FileError::of(file))
 }

@@ -55,6 +55,7 @@ fn every_numeric_type() {
             assert_eq!(file.neighbours(6).expect(kind).rows().next(), Some(&[5][..]), "{kind}");
         }
     }
+    one("<f2", &[0x00, 0x45]);
     one("<f4", &5f32.to_le_bytes());
     one(">f8", &5f64.to_be_bytes());
     one("|i1", &[5]);
@@ -85,12 +86,7 @@ fn wrong_files() {
     vectors_error(b"PK\x03\x04 a zip file", &["first bytes", "found \"PK"]);
     vectors_error(&npy(&header("<f4", "(2,)"), &data), &["shape [2]", "expected two axes"]);
     assert_vectors_error("a.npy", &npy(&header("<f4", "(2, 1, 1)"), &data), &["shape [2, 1, 1]", "expected two axes"]);
-    assert_vectors_error(
-        "a.npy",
-        &npy(&header("<f2", "(2, 2)"), &data),
-        &["type '<f2'", "expected floats of 4 or 8 bytes"],
-    );
-    vectors_error(&npy(&header("<c8", "(1, 1)"), &data), &["type '<c8'"]);
+    vectors_error(&npy(&header("<c8", "(1, 1)"), &data), &["type '<c8'", "expected floats of 2, 4 or 8 bytes"]);
     vectors_error(&npy(&header("|b1", "(4, 2)"), &data), &["type '|b1'"]);
     vectors_error(&npy(&header("|O", "(4, 2)"), &data), &["type '|O'"]);
     vectors_error(&npy(&header("<q4", "(1, 2)"), &data), &["header", "Invalid type-string"]);

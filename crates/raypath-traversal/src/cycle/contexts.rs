@@ -6,6 +6,7 @@ use crate::engine::Response;
 use crate::hardware::UnitParameters;
 use crate::model::{Memory, MemoryError, RayRequest, Reply};
 use crate::walk::{Asked, Walk};
+use raypath_model::{State, StateWords, state};
 use raypath_ops::Rules;
 
 /// As many contexts as a number of 8 bits can tell.
@@ -85,6 +86,14 @@ impl PortContexts {
     /// No beats have arrived.
     pub fn reset(&mut self) {
         self.contexts.iter_mut().for_each(|context| context.beats = 0);
+    }
+}
+
+state! { Context { id, walk, block, beats, failed } }
+
+impl State for PortContexts {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        self.contexts[..self.parameters.contexts as usize].pass(words);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::instance::TRANSFORM_OPCODE;
 use crate::walk::Asked;
+use raypath_model::{State, StateWords, state};
 use raypath_ops::JobKind;
 
 /// Up to `N` items in a circle, oldest first. `N` is a power of two, 256 or more.
@@ -48,6 +49,46 @@ impl<T: Copy + Default, const N: usize> Ring<T, N> {
 
     pub fn clear(&mut self) {
         (self.entered, self.left) = (0, 0);
+    }
+}
+
+impl<T: State + Copy + Default, const N: usize> State for Ring<T, N> {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let mut count = self.entered.wrapping_sub(self.left);
+        count.pass(words);
+        if count as usize > N {
+            return words.refuse();
+        }
+        let first = self.left as usize;
+        (0..count as usize).for_each(|place| self.items[(first + place) % N].pass(words));
+        self.entered = self.left.wrapping_add(count);
+    }
+}
+
+impl<const N: usize> State for Queues<N> {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let Self { queues, ready, arrived, pushed } = self;
+        queues.pass(words);
+        [ready, arrived, pushed].into_iter().for_each(|bits| bits.pass(words));
+    }
+}
+
+impl<T: State + Copy + Default> State for Line<T> {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        self.occupied.pass(words);
+        self.items.pass(words);
+    }
+}
+
+state! {
+    Weights { reading, operands, divider }
+    Scheduler { after }
+    Job { context, kind }
+}
+
+impl State for Kind {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        words.one_of(self, &[Self::Node, Self::Triangle, Self::LastTriangle, Self::Origin, Self::Direction]);
     }
 }
 

@@ -7,8 +7,8 @@ use crate::engine::BlockRequest;
 use crate::hardware::{DECODER_LATENCY, UnitParameters};
 use crate::model::{RayRequest, Reply};
 use crate::set_up::QUOTIENTS;
-use crate::walk::AskedKind;
-use raypath_model::{Flow, Shape};
+use crate::walk::{Asked, AskedKind};
+use raypath_model::{Flow, Shape, state};
 use std::hint::select_unpredictable;
 use std::mem::replace;
 
@@ -52,6 +52,10 @@ pub struct Timing {
     offered: [u64; Kind::COUNT],
     /// The steps of each kind of request.
     asked: [u64; AskedKind::COUNT],
+    /// The descents that began again at the root.
+    restarts: u64,
+    /// The cycles in which a job waited for the datapath.
+    job_stalls: u64,
 }
 
 /// What the unit did since its last reset.
@@ -71,6 +75,10 @@ pub struct UnitCounts {
     pub fetches: u64,
     /// Rays that ended.
     pub rays: u64,
+    /// Descents that began again at the root, because the stack had lost a level.
+    pub restarts: u64,
+    /// Cycles in which a job waited for the datapath.
+    pub job_stalls: u64,
 }
 
 /// What enters the unit in a cycle, and what may leave it.
@@ -107,6 +115,15 @@ const QUEUES: usize = 9;
 /// The sources of answers, a bit for each.
 const SOURCES: u32 = (1 << FREE) - 1;
 
+state! {
+    Answered { context, source }
+    Timing {
+        fresh, queues, busy, yields, set_up, offer, has_offer, following, flow, jobs, operands, has_operands, divider,
+        triangle, has_triangle, scheduler, prepared, finished, hit, cycles, offered, asked,
+        restarts, job_stalls | decoder, weights
+    }
+}
+
 impl Timing {
     /// The timing of a unit after a reset, whose datapath has this shape.
     pub fn new(shape: &Shape, parameters: UnitParameters) -> Self {
@@ -138,6 +155,8 @@ impl Timing {
             cycles: 0,
             offered: [0; Kind::COUNT],
             asked: [0; AskedKind::COUNT],
+            restarts: 0,
+            job_stalls: 0,
         }
     }
 
@@ -152,6 +171,8 @@ impl Timing {
             steps: self.asked.iter().sum(),
             fetches: self.asked[AskedKind::Block as usize],
             rays: self.asked[AskedKind::Nothing as usize],
+            restarts: self.restarts,
+            job_stalls: self.job_stalls,
         }
     }
 
@@ -220,6 +241,7 @@ impl Timing {
         self.decoder.iter_mut().for_each(Line::clear);
         self.scheduler = Scheduler::default();
         (self.cycles, self.offered, self.asked) = (0, [0; Kind::COUNT], [0; AskedKind::COUNT]);
+        (self.restarts, self.job_stalls) = (0, 0);
     }
 
     #[inline]
@@ -326,7 +348,7 @@ impl Timing {
         self.queues.pop_if(REQUESTS, request_ready & self.queues.is_ready(REQUESTS));
         let Answered { context, source } = replace(&mut self.finished, replace(&mut self.prepared, chosen));
         let steps = source != 0;
-        let asked = contexts.step(context, steps).kind;
+        let Asked { kind: asked, restarts, .. } = contexts.step(context, steps);
         let queue = match asked {
             AskedKind::Block => REQUESTS,
             AskedKind::Again | AskedKind::Begin => AGAINS,
@@ -334,6 +356,7 @@ impl Timing {
         };
         self.queues.push_if(queue, context, steps);
         self.asked[asked as usize] += u64::from(steps);
+        self.restarts += u64::from(steps & restarts);
     }
 
     /// The edge of the distances of triangles. Returns whether an outcome can be taken.
@@ -372,6 +395,7 @@ impl Timing {
         self.operands = select_unpredictable(divides, outcome, self.operands);
         self.has_operands |= divides;
         self.jobs.push_if(ready, leaves);
+        self.job_stalls += u64::from(has_ready & !leaves);
         self.offered[ready.kind as usize] += u64::from(leaves);
         let issues = match &mut self.decoder {
             None => leaves,

@@ -172,21 +172,22 @@ impl Bvh4 {
     }
 }
 
-/// The binary tree of these triangles before its collapse, built by obvhs with equal costs for a triangle test and a test
-/// of four boxes.
-pub(crate) fn binary_tree(mesh: &Mesh, triangles: &[u32]) -> Bvh2 {
+/// The binary tree of these triangles before its collapse, built by obvhs with equal costs for a triangle test and a
+/// test of four boxes.
+pub fn binary_tree(mesh: &Mesh, triangles: &[u32]) -> Bvh2 {
     let parameters =
         BvhBuildParams { max_prims_per_leaf: 4, collapse_traversal_cost: 1.0, ..BvhBuildParams::medium_build() };
     build_bvh2_from_tris(&peer_triangles(mesh, triangles), parameters, &mut Duration::default())
 }
 
-pub(crate) fn peer_triangles(mesh: &Mesh, triangles: &[u32]) -> Vec<PeerTriangle> {
+/// The corners of these triangles, as obvhs has them.
+pub fn peer_triangles(mesh: &Mesh, triangles: &[u32]) -> Vec<PeerTriangle> {
     let corners = triangles.iter().map(|&index| mesh.corners(index));
     corners.map(|[a, b, c]| PeerTriangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect()
 }
 
-/// The triangles of a mesh. Those that have one box, if they are more than a leaf holds, are a group, because obvhs takes
-/// a time that grows with the square of their number. Every other triangle is a group of its own.
+/// The triangles of a mesh. Those that have one box, if they are more than a leaf holds, are a group, because obvhs
+/// takes a time that grows with the square of their number. Every other triangle is a group of its own.
 struct Groups {
     /// The first triangle of each group.
     first: Vec<u32>,
@@ -427,7 +428,7 @@ impl Node {
 }
 
 /// The box, enlarged by `pad` on each side and rounded outwards.
-pub(crate) fn padded(bounds: Bounds, pad: f64) -> Aabb<Binary32> {
+pub fn padded(bounds: Bounds, pad: f64) -> Aabb<Binary32> {
     let below = |bound: f32| {
         let exact = f64::from(bound) - pad;
         let rounded = exact as f32;

@@ -1,18 +1,12 @@
-//! The places of a mesh in a scene of two levels, and files of them.
-//!
-//! A file has one instance per line: the 12 numbers of the affine matrix from the mesh to the scene, row by row,
-//! `xx xy xz xt yx yy yz yt zx zy zz zt`, as decimals separated by spaces. The last number of each row is the
-//! translation. `#` starts a comment; empty lines are ignored. Instances are numbered from 0.
+//! The places of a mesh in a scene of two levels.
 
 use crate::mesh::{Bounds, Mesh};
-use crate::read::{ReadError, parse_lines, text};
 use crate::vector::{Vector, add, cross, dot, scale, vector};
-use raypath_tools::MemoryLimit;
 use raypath_traversal::Instance;
-use std::path::Path;
 use thiserror::Error;
 
-const NUMBERS: [&str; 12] = ["xx", "xy", "xz", "xt", "yx", "yy", "yz", "yt", "zx", "zy", "zz", "zt"];
+/// The names of the numbers of a matrix, row by row.
+pub const NUMBERS: [&str; 12] = ["xx", "xy", "xz", "xt", "yx", "yy", "yz", "yt", "zx", "zy", "zz", "zt"];
 
 /// A place of a mesh in a scene: an affine matrix that has an inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,23 +55,23 @@ impl Placement {
     }
 
     /// The instance of an object with this child word.
-    pub(crate) fn instance(&self, root: u32, index: u32) -> Instance {
+    pub fn instance(&self, root: u32, index: u32) -> Instance {
         Instance { to_object: self.to_object, root, index }
     }
 
     /// Where a point of the mesh is in the scene.
-    pub(crate) fn moved(&self, point: [f32; 3]) -> Vector {
+    pub fn moved(&self, point: [f32; 3]) -> Vector {
         self.to_scene.map(|[x, y, z, t]| dot([x, y, z], vector(point)) + t)
     }
 
     /// Whether front faces of the mesh wind clockwise in the scene.
-    pub(crate) fn is_mirrored(&self) -> bool {
+    pub fn is_mirrored(&self) -> bool {
         let [x, y, z] = self.to_scene.map(|[x, y, z, _]| [x, y, z]);
         dot(x, cross(y, z)) < 0.0
     }
 
     /// The corners in the scene of a box in the mesh.
-    pub(crate) fn corners(&self, bounds: Bounds) -> [Vector; 8] {
+    pub fn corners(&self, bounds: Bounds) -> [Vector; 8] {
         std::array::from_fn(|corner| {
             let axis = |axis: usize| if corner >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
             self.moved([axis(0), axis(1), axis(2)])
@@ -85,12 +79,12 @@ impl Placement {
     }
 
     /// The box in the scene around a box in the mesh, but for the rounding of its bounds.
-    pub(crate) fn bounds(&self, bounds: Bounds) -> Bounds {
+    pub fn bounds(&self, bounds: Bounds) -> Bounds {
         self.corners(bounds).into_iter().fold(Bounds::EMPTY, |all, corner| all.with(corner.map(|x| x as f32)))
     }
 
     /// The reach in the mesh for rays that have this reach in the scene: the matrix adds up to three distances.
-    pub(crate) fn object_reach(&self, reach: f32) -> f32 {
+    pub fn object_reach(&self, reach: f32) -> f32 {
         let sums = self.to_object.map(|[x, y, z, _]| f64::from(x).abs() + f64::from(y).abs() + f64::from(z).abs());
         // Rounded upwards, with room for the rounding of the matrix.
         (1.000_001 * f64::from(reach) * sums.into_iter().fold(0.0, f64::max)) as f32
@@ -105,7 +99,7 @@ impl Placement {
     /// e = 6u (|M| (P + R) + |t|) in the mesh. There the ray passes the triangle within 12u of the reach in the mesh
     /// ([`Bvh4`](crate::Bvh4)). In the scene this is |W| times as much; and the box test needs 12u R as always. The
     /// bounds are rounded once, by at most u (P + R).
-    pub(crate) fn pad(&self, reach: f32, coordinate: f32) -> f64 {
+    pub fn pad(&self, reach: f32, coordinate: f32) -> f64 {
         let u = f64::from(f32::EPSILON / 2.0);
         let (reach, coordinate) = (f64::from(reach), f64::from(coordinate));
         let object_reach = f64::from(self.object_reach(reach as f32));
@@ -118,42 +112,9 @@ impl Placement {
     }
 
     /// A vector of the mesh's space that is normal to a plane there, in the scene.
-    pub(crate) fn normal(&self, corners: [[f32; 3]; 3]) -> Vector {
+    pub fn normal(&self, corners: [[f32; 3]; 3]) -> Vector {
         let [a, b, c] = corners.map(|corner| self.moved(corner));
         let normal = cross(add(b, scale(-1.0, a)), add(c, scale(-1.0, a)));
         if self.is_mirrored() { scale(-1.0, normal) } else { normal }
     }
-}
-
-/// Reads a file of instances.
-///
-/// # Errors
-/// A file that cannot be read, no instance, or a line that is not a matrix with an inverse; lines that take more memory
-/// than `limit`, 1024 bytes each with their part of the tree.
-pub fn read_instances(path: &Path, limit: MemoryLimit) -> Result<Vec<Placement>, ReadError> {
-    parse_instances(&text(path, limit, 1024)?, path)
-}
-
-/// Reads instances from text. `path` appears in messages.
-///
-/// # Errors
-/// No instance, or a line that is not a matrix with an inverse.
-pub fn parse_instances(text: &str, path: &Path) -> Result<Vec<Placement>, ReadError> {
-    let instances = parse_lines(text, path, parse_instance)?;
-    if instances.is_empty() {
-        return Err(ReadError::new(path, "no instance, expected a line of 12 numbers for each".to_string()));
-    }
-    Ok(instances)
-}
-
-fn parse_instance(text: &str) -> Result<Placement, String> {
-    let words: Vec<&str> = text.split_whitespace().collect();
-    if words.len() != NUMBERS.len() {
-        return Err(format!("{} numbers, expected 12: {}", words.len(), NUMBERS.join(" ")));
-    }
-    let mut numbers = [[0.0; 4]; 3];
-    for ((number, name), word) in numbers.as_flattened_mut().iter_mut().zip(NUMBERS).zip(words) {
-        *number = word.parse().map_err(|_| format!("{name} = '{word}', expected a decimal number"))?;
-    }
-    Placement::checked(numbers).map_err(|problem| problem.to_string())
 }

@@ -120,7 +120,7 @@ impl Scene {
         Ok(Self { mesh, bounds, bvh, blocks, placed, reach })
     }
 
-    /// The scene with its blocks in memory, so that [`Tracer`](crate::Tracer) traces rays through the functional model
+    /// The scene with its blocks in memory, so that rays are traced through the functional model
     /// of the traversal unit with wide nodes.
     ///
     /// # Errors
@@ -158,7 +158,7 @@ impl Scene {
     }
 
     /// An instance, and how much larger its box is than it.
-    pub(crate) fn placed(&self, instance: u32) -> Option<&(Placement, f64)> {
+    pub fn placed(&self, instance: u32) -> Option<&(Placement, f64)> {
         self.placed.get(instance as usize)
     }
 

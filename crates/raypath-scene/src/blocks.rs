@@ -9,7 +9,8 @@ use raypath_traversal::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBl
 use raypath_traversal::{LEVELS, RayRequest, UnitFeatures};
 use thiserror::Error;
 
-/// A scene in memory: the blocks of [`raypath_traversal::blocks`] from address 0 on. The nodes come first, the root at 0.
+/// A scene in memory: the blocks of [`raypath_traversal::blocks`] from address 0 on. The nodes come first, the root at
+/// 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Blocks {
     bytes: Vec<u8>,
@@ -101,7 +102,7 @@ impl Blocks {
     ///
     /// # Errors
     /// They take more than 4 GiB, or the tree has more than 64 levels.
-    pub(crate) fn with_instances(object: &Bvh4, placed: &[(Placement, Bounds, f64)]) -> Result<Self, BlocksError> {
+    pub fn with_instances(object: &Bvh4, placed: &[(Placement, Bounds, f64)]) -> Result<Self, BlocksError> {
         let (mut blocks, levels) = (Self::of(object, NodeKind::Wide4)?, object.levels() + 1);
         // A node for at least two children, so that there are fewer than instances.
         let bytes = blocks.bytes.len() as u64 + 2 * placed.len() as u64 * u64::from(BLOCK_BYTES);

@@ -1,0 +1,116 @@
+//! Scenes of the traversal unit.
+
+use crate::Unit;
+use crate::memory::{array, reference, reference_mut};
+use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
+use raypath_embed::{SceneInput, UnitScene};
+
+/// A scene in memory, as a traversal unit reads it. It does not change, so any number of threads may use it at once,
+/// until `raypath_scene_free`.
+pub struct Scene(UnitScene);
+
+/// Builds a scene in the layout that the unit reads, and sets `*scene`. Any thread may call it.
+///
+/// `vertices` has three numbers for each of `vertex_count` vertices, `indices` three vertices for each of
+/// `triangle_count` triangles, counter-clockwise as seen from the front. With `instances`, which may be NULL, the scene
+/// has two levels: twelve numbers for each of `instance_count` places, an affine matrix from the triangles to the
+/// scene, row by row, the last number of each row the translation. `reach` is the greatest distance, along any axis,
+/// between the origin of a ray and a vertex; 0 for 16 times the longest side of the scene. Rays from further away may
+/// lose hits at the edges of boxes.
+///
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for an index of no vertex, a coordinate beyond 2^40, a matrix without an inverse, a
+/// negative reach, no triangle, more than fit into 4 GiB, or instances for a unit without them; `RAYPATH_ERROR_NULL`,
+/// `_ALIGNMENT`. Then `*scene` is not changed.
+///
+/// # Safety
+/// `unit` is NULL or an open unit; the arrays are NULL or have that many elements; `scene` is NULL or points to a
+/// pointer.
+#[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments)] // arrays of C
+pub unsafe extern "C" fn raypath_scene_build(
+    unit: *const Unit,
+    vertices: *const [f32; 3],
+    vertex_count: usize,
+    indices: *const [u32; 3],
+    triangle_count: usize,
+    instances: *const [[f64; 4]; 3],
+    instance_count: usize,
+    reach: f32,
+    scene: *mut *mut Scene,
+) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (unit, vertices, triangles, scene) = unsafe {
+            (
+                reference("unit", unit)?,
+                array("vertices", vertices, vertex_count)?,
+                array("indices", indices, triangle_count)?,
+                reference_mut("scene", scene)?,
+            )
+        };
+        // SAFETY: as above.
+        let placed = || unsafe { array("instances", instances, instance_count) };
+        let instances = if instances.is_null() && instance_count == 0 { None } else { Some(placed()?.to_vec()) };
+        let reach = if reach == 0.0 { None } else { Some(reach) };
+        let input = SceneInput { vertices: vertices.to_vec(), triangles: triangles.to_vec(), instances, reach };
+        *scene = Box::into_raw(Box::new(Scene(unit.embedded.scene(input)?)));
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Frees a scene. NULL is ignored.
+///
+/// # Safety
+/// `scene` is NULL or came from `raypath_scene_build` and was not freed; no other call uses it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_scene_free(scene: *mut Scene) {
+    if !scene.is_null() {
+        // SAFETY: by the contract of this function.
+        drop(unsafe { Box::from_raw(scene) });
+    }
+}
+
+/// The bytes of a scene, the first of which has the address 0; NULL after an error. They are valid while the scene is.
+///
+/// # Safety
+/// `scene` is NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_scene_data(scene: *const Scene) -> *const u8 {
+    let mut data = std::ptr::null();
+    status(|| {
+        // SAFETY: by the contract of this function.
+        data = unsafe { reference("scene", scene)? }.0.bytes.as_ptr();
+        Ok(RAYPATH_OK)
+    });
+    data
+}
+
+/// The number of its bytes; 0 after an error.
+///
+/// # Safety
+/// `scene` is NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_scene_size(scene: *const Scene) -> usize {
+    // SAFETY: by the contract of this function.
+    value_or_zero(|| Ok(unsafe { reference("scene", scene)? }.0.bytes.len()))
+}
+
+/// The child word of its root, for `root` of a ray; 0 after an error.
+///
+/// # Safety
+/// `scene` is NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_scene_root(scene: *const Scene) -> u32 {
+    // SAFETY: by the contract of this function.
+    value_or_zero(|| Ok(unsafe { reference("scene", scene)? }.0.root))
+}
+
+/// The reach for which it was built; 0 after an error.
+///
+/// # Safety
+/// `scene` is NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_scene_reach(scene: *const Scene) -> f32 {
+    // SAFETY: by the contract of this function.
+    value_or_zero(|| Ok(unsafe { reference("scene", scene)? }.0.reach))
+}

@@ -1,0 +1,15 @@
+//! Scenes: a [`Mesh`] or instances of one with a tree of boxes ([`Bvh4`]), and the blocks in which the traversal unit
+//! reads it ([`Blocks`]).
+
+pub mod blocks;
+pub mod bvh;
+pub mod mesh;
+pub mod placement;
+mod scene;
+pub mod vector;
+
+pub use blocks::{Blocks, BlocksError};
+pub use bvh::Bvh4;
+pub use mesh::{Bounds, Mesh, MeshError};
+pub use placement::{Placement, PlacementError};
+pub use scene::{Scene, SceneError};
