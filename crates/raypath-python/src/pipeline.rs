@@ -6,7 +6,7 @@ use crate::job::{Job, Outcome};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use raypath_embed as embed;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 /// The cycle-exact model of a datapath, whose jobs carry a tag. In every cycle it accepts and delivers what the
 /// hardware does.
@@ -30,8 +30,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Pipeline {
     // Not locked: the mutex only makes the pipeline shareable between threads, as a class must be.
     inner: Mutex<embed::Pipeline>,
-    datapath: Arc<embed::Datapath>,
-    of: Py<Datapath>,
+    datapath: Py<Datapath>,
     operations: Vec<embed::OperationId>,
 }
 
@@ -45,9 +44,9 @@ impl Pipeline {
 impl Pipeline {
     #[new]
     fn new(datapath: &Bound<'_, Datapath>) -> Self {
-        let (of, datapath) = (datapath.clone().unbind(), datapath.get().inner.clone());
-        let inner = Mutex::new(embed::Pipeline::new(&datapath));
-        Self { inner, operations: datapath.operations(), datapath, of }
+        let embedded = &datapath.get().inner;
+        let inner = Mutex::new(embed::Pipeline::new(embedded));
+        Self { inner, operations: embedded.operations(), datapath: datapath.clone().unbind() }
     }
 
     /// Offers a job in this cycle.
@@ -63,7 +62,7 @@ impl Pipeline {
     ///     ValueError: a datapath without the operation; a beat of more coordinates than the datapath has lanes.
     #[pyo3(signature = (job, tag = 0))]
     fn offer(&mut self, job: &Bound<'_, Job>, tag: u64) -> PyResult<bool> {
-        let lanes = self.datapath.lanes();
+        let lanes = self.datapath.get().inner.lanes();
         job.get().offered(lanes, |job| self.inner().offer(job, tag)).map_err(exception)
     }
 
@@ -78,7 +77,7 @@ impl Pipeline {
     fn step(&mut self, output_ready: bool) -> Option<Outcome> {
         let tagged = *self.inner().step(output_ready)?;
         let words = self.inner().left_words().cloned();
-        Some(Outcome::new(tagged, words, &self.operations, self.datapath.config().semantics.format))
+        Some(Outcome::new(tagged, words, &self.operations, self.datapath.get().inner.config().semantics.format))
     }
 
     /// Advances cycles in which nothing else is offered and the sink is not ready, and stops in the first with an
@@ -110,7 +109,7 @@ impl Pipeline {
     /// Raises:
     ///     ValueError: a datapath without the operation.
     fn input_ready(&mut self, operation: &str) -> PyResult<bool> {
-        let opcode = self.datapath.operation(operation).map_err(exception)?.opcode();
+        let opcode = self.datapath.get().inner.operation(operation).map_err(exception)?.opcode();
         Ok(self.inner().input_ready(opcode))
     }
 
@@ -129,7 +128,7 @@ impl Pipeline {
 
     /// The arguments that make a pipeline of the same datapath, for ``copy`` and ``pickle``.
     fn __getnewargs__(&self, py: Python<'_>) -> (Py<Datapath>,) {
-        (self.of.clone_ref(py),)
+        (self.datapath.clone_ref(py),)
     }
 
     fn __getstate__<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyBytes> {
@@ -146,6 +145,10 @@ impl Pipeline {
     }
 
     fn __repr__(&mut self) -> String {
-        format!("<raypath.Pipeline: {} jobs inside; {}>", self.inner().occupancy(), self.datapath.description())
+        format!(
+            "<raypath.Pipeline: {} jobs inside; {}>",
+            self.inner().occupancy(),
+            self.datapath.get().inner.description()
+        )
     }
 }

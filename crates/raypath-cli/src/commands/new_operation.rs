@@ -49,7 +49,7 @@ pub fn run(Arguments { name, folder }: &Arguments, out: &mut dyn Write) -> Resul
     Ok(())
 }
 
-/// The manifest. Dependencies of the command line are compiled without optimisation, which takes a third of the time.
+/// The manifest. A crate outside of the workspace does not get the profiles of raypath's own manifest.
 fn manifest(name: &str, raypath: &Path) -> String {
     format!(
         "[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[dependencies]\nraypath = {{ path = \
