@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use raypath_embed::Error;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
@@ -32,18 +32,7 @@ pub fn watched<T: Send>(
                 // The receiver is gone only if it has already stopped the work.
                 let _ = sender.send(work(&|_| !is_stopped.load(Ordering::Relaxed)));
             });
-            loop {
-                match receiver.recv_timeout(PERIOD) {
-                    Ok(result) => return result,
-                    Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("the work panicked")),
-                    Err(RecvTimeoutError::Timeout) => {
-                        if let Err(signal) = Python::attach(|py| py.check_signals()) {
-                            is_stopped.store(true, Ordering::Relaxed);
-                            return Err(signal);
-                        }
-                    }
-                }
-            }
+            awaited(&receiver).inspect_err(|_| is_stopped.store(true, Ordering::Relaxed))
         })
     })
 }
@@ -64,14 +53,19 @@ pub fn abandoned_at_signals<T: Send + 'static>(
             let _ = sender.send(work());
         };
         thread::Builder::new().spawn(work)?;
-        loop {
-            match receiver.recv_timeout(PERIOD) {
-                Ok(result) => return result,
-                Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("the work panicked")),
-                Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
-            }
-        }
+        awaited(&receiver)
     })
+}
+
+/// The result of work in another thread, or the exception of a signal that comes before it.
+fn awaited<T>(receiver: &Receiver<PyResult<T>>) -> PyResult<T> {
+    loop {
+        match receiver.recv_timeout(PERIOD) {
+            Ok(result) => return result,
+            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("the work panicked")),
+            Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
+        }
+    }
 }
 
 /// The jobs between two looks for signals: some milliseconds in binary32, a tenth of a second in other formats.
