@@ -4,7 +4,7 @@ use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
 use crate::state::owner;
 use crate::{Error, native};
 use raypath_float::Format;
-use raypath_model::{Shape, WordModel};
+use raypath_model::{Shape, Short, WordModel};
 use raypath_ops::{JobKind, Port, Rounding, Rules};
 use raypath_oracle::added_operation;
 use raypath_rtl::{self as rtl, Config, Features, Lanes, Semantics, package};
@@ -177,7 +177,7 @@ impl Datapath {
         if distances.is_empty() {
             return Ok(());
         }
-        let Some(Semantics { lanes, rounding, .. }) = self.native_semantics() else {
+        let Some(semantics) = self.native_semantics() else {
             let mut general = General::new(self);
             let pairs = a.chunks(dimensions).zip(b.chunks(dimensions));
             for ((a, b), distance) in pairs.zip(distances) {
@@ -189,13 +189,13 @@ impl Datapath {
             }
             return Ok(());
         };
-        match lanes {
-            Lanes::None | Lanes::Two => native::euclidean::<2>(rounding, a, b, dimensions, distances),
-            Lanes::Four => native::euclidean::<4>(rounding, a, b, dimensions, distances),
-            Lanes::Eight => native::euclidean::<8>(rounding, a, b, dimensions, distances),
-            Lanes::Sixteen => native::euclidean::<16>(rounding, a, b, dimensions, distances),
-            Lanes::ThirtyTwo => native::euclidean::<32>(rounding, a, b, dimensions, distances),
-            Lanes::SixtyFour => native::euclidean::<64>(rounding, a, b, dimensions, distances),
+        match semantics.lanes {
+            Lanes::None | Lanes::Two => native::euclidean::<2>(semantics, a, b, dimensions, distances),
+            Lanes::Four => native::euclidean::<4>(semantics, a, b, dimensions, distances),
+            Lanes::Eight => native::euclidean::<8>(semantics, a, b, dimensions, distances),
+            Lanes::Sixteen => native::euclidean::<16>(semantics, a, b, dimensions, distances),
+            Lanes::ThirtyTwo => native::euclidean::<32>(semantics, a, b, dimensions, distances),
+            Lanes::SixtyFour => native::euclidean::<64>(semantics, a, b, dimensions, distances),
         }
         Ok(())
     }
@@ -219,7 +219,7 @@ impl Datapath {
         if norms.is_empty() {
             return Ok(());
         }
-        let Some(Semantics { lanes, rounding, .. }) = self.native_semantics() else {
+        let Some(semantics) = self.native_semantics() else {
             let mut general = General::new(self);
             let pairs = a.chunks(dimensions).zip(b.chunks(dimensions));
             for ((a, b), (dot, norm)) in pairs.zip(dot_products.iter_mut().zip(norms)) {
@@ -231,13 +231,13 @@ impl Datapath {
             }
             return Ok(());
         };
-        match lanes {
-            Lanes::None | Lanes::Two => native::angular::<1>(rounding, a, b, dimensions, dot_products, norms),
-            Lanes::Four => native::angular::<2>(rounding, a, b, dimensions, dot_products, norms),
-            Lanes::Eight => native::angular::<4>(rounding, a, b, dimensions, dot_products, norms),
-            Lanes::Sixteen => native::angular::<8>(rounding, a, b, dimensions, dot_products, norms),
-            Lanes::ThirtyTwo => native::angular::<16>(rounding, a, b, dimensions, dot_products, norms),
-            Lanes::SixtyFour => native::angular::<32>(rounding, a, b, dimensions, dot_products, norms),
+        match semantics.lanes {
+            Lanes::None | Lanes::Two => native::angular::<1>(semantics, a, b, dimensions, dot_products, norms),
+            Lanes::Four => native::angular::<2>(semantics, a, b, dimensions, dot_products, norms),
+            Lanes::Eight => native::angular::<4>(semantics, a, b, dimensions, dot_products, norms),
+            Lanes::Sixteen => native::angular::<8>(semantics, a, b, dimensions, dot_products, norms),
+            Lanes::ThirtyTwo => native::angular::<16>(semantics, a, b, dimensions, dot_products, norms),
+            Lanes::SixtyFour => native::angular::<32>(semantics, a, b, dimensions, dot_products, norms),
         }
         Ok(())
     }
@@ -286,11 +286,15 @@ impl Datapath {
         self.model.clone()
     }
 
-    /// The semantics, if arrays of the paper's operations can be computed in native binary32. Features that typed jobs
-    /// do not show, such as a tag, change nothing.
+    /// The semantics, if arrays of the paper's operations can be computed in SIMD lanes. Features that typed jobs do
+    /// not show, such as a tag, change nothing.
     fn native_semantics(&self) -> Option<Semantics> {
         let semantics = self.config().semantics;
-        (semantics.format == Format::BINARY32 && !semantics.features.quantised_boxes).then_some(semantics)
+        let rounds_every_number =
+            semantics.rounding == Rounding::Unit && !matches!(semantics.rules_in_full(), Rules::Bounds(_));
+        let is_short = || rounds_every_number && Short::lanes(semantics.format).is_some();
+        let is_native = semantics.format == Format::BINARY32 || is_short();
+        (is_native && !semantics.features.quantised_boxes).then_some(semantics)
     }
 
     /// The rules, if single jobs can be computed in native binary32.

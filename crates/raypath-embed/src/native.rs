@@ -1,13 +1,13 @@
-//! Arrays of jobs in native binary32, computed in SIMD lanes.
+//! Arrays of jobs in native binary32 and short formats, computed in SIMD lanes.
 
 use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices, canonical};
 use crate::transpose;
 use fearless_simd::{Level, Simd, dispatch};
-use raypath_model::{BLOCK, Batch, BlockValue, Packed, blank, run_blocks};
+use raypath_model::{BLOCK, Batch, BlockValue, Packed, Short, baseline, blank, run_blocks, run_blocks_in};
 use raypath_ops::{
     self as ops, Aabb, AngularOutput, Beat, BeatInput, Binary32, Bit, EuclideanOutput, Flags, Num, RayBoxConservative,
-    RayBoxInput, RayBoxOutput, RayTriangleExtendedInput, RayTriangleExtendedOutput, RayTriangleInput,
-    RayTriangleOutput, Rounding, Rules, Slab, Vec3, Word, array_of,
+    RayBoxInput, RayBoxOutput, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
+    RayTriangleInput, RayTriangleOutput, Rounding, Rules, Slab, Vec3, Word, array_of,
 };
 use raypath_rtl::Semantics;
 
@@ -16,7 +16,8 @@ const BLOCKS: usize = 4;
 
 /// Computes a job for each ray. All slices have as many jobs.
 pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], results: &mut [QuadboxResult]) {
-    let (level, batch) = (Level::new(), Batch::<2, 1>::new(semantics.rules_in_full()));
+    let (level, short) = (Level::new(), Short::lanes(semantics.format));
+    let batch = Batch::<2, 1>::new(semantics.rules_in_full()).short(short);
     let mut jobs = [blank::<RayBoxInput<Binary32>>(); BLOCKS];
     let mut answers = [blank::<RayBoxOutput<Binary32>>(); BLOCKS];
     for first in (0..results.len()).step_by(BLOCKS * BLOCK) {
@@ -31,7 +32,10 @@ pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], result
         });
         if semantics.features.conservative {
             let (jobs, answers) = (&jobs[..used], &mut answers[..used]);
-            dispatch!(level, simd => run_blocks(simd, &RayBoxConservative, jobs, answers, &mut ()));
+            match short {
+                Some(lanes) => run_blocks_in(lanes, &RayBoxConservative, jobs, answers, &mut ()),
+                None => dispatch!(level, simd => run_blocks(simd, &RayBoxConservative, jobs, answers, &mut ())),
+            }
         } else {
             batch.quadbox(&jobs[..used], &mut answers[..used]);
         }
@@ -43,8 +47,9 @@ pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], result
 
 /// Computes a job for each ray. All slices have as many jobs. With the feature `range`, rays begin at a distance of 0.
 pub fn triangle(semantics: Semantics, rays: &[Ray], triangles: &[Vertices], results: &mut [TriangleResult]) {
+    let short = Short::lanes(semantics.format);
     let Some(op) = semantics.extended_triangle() else {
-        let batch = Batch::<2, 1>::new(semantics.rules_in_full()).rounding(semantics.rounding);
+        let batch = Batch::<2, 1>::new(semantics.rules_in_full()).rounding(semantics.rounding).short(short);
         return triangles_of(
             (rays, triangles, results),
             [blank::<RayTriangleInput<Binary32>>(); BLOCKS],
@@ -60,7 +65,15 @@ pub fn triangle(semantics: Semantics, rays: &[Ray], triangles: &[Vertices], resu
         [blank::<RayTriangleExtendedInput<Binary32>>(); BLOCKS],
         [blank::<RayTriangleExtendedOutput<Binary32>>(); BLOCKS],
         |ray, triangle| RayTriangleExtendedInput { ray, triangle, t_min: num(BlockValue([0.0; BLOCK])) },
-        |jobs, answers| dispatch!(level, simd => run_blocks(simd, &op, jobs, answers, &mut ())),
+        |jobs, answers| match (short, op.rounding) {
+            (Some(lanes), _) => run_blocks_in(lanes, &op, jobs, answers, &mut ()),
+            // A call for each, so that the rounding is a constant in each.
+            (None, Rounding::Unit) => {
+                let op = RayTriangleExtended { rounding: Rounding::Unit, ..op };
+                dispatch!(level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
+            }
+            (None, Rounding::Sum) => run_blocks(baseline(), &op, jobs, answers, &mut ()),
+        },
         |answer| (answer.t_num, answer.t_denom, answer.triangle_hit),
     );
 }
@@ -102,8 +115,9 @@ fn triangles_of<I, O>(
 
 /// Computes the distance of each pair of vectors, with `N` dimensions per beat. `a` and `b` have `dimensions` numbers
 /// for each distance, and `dimensions` is at least 1.
-pub fn euclidean<const N: usize>(rounding: Rounding, a: &[f32], b: &[f32], dimensions: usize, distances: &mut [f32]) {
-    let mut batch = Batch::<N, 1>::new(Rules::Paper).rounding(rounding);
+pub fn euclidean<const N: usize>(semantics: Semantics, a: &[f32], b: &[f32], dimensions: usize, distances: &mut [f32]) {
+    let short = Short::lanes(semantics.format);
+    let mut batch = Batch::<N, 1>::new(Rules::Paper).rounding(semantics.rounding).short(short);
     let mut answers = [blank::<EuclideanOutput<Binary32>>(); BLOCKS];
     for (pairs, distances) in pairs(a, b, dimensions).zip(distances.chunks_mut(BLOCK)) {
         let mut last = answers[0];
@@ -118,14 +132,15 @@ pub fn euclidean<const N: usize>(rounding: Rounding, a: &[f32], b: &[f32], dimen
 /// Computes the dot product of each pair of vectors and the squared norm of the second, with `N` dimensions per beat.
 /// `a` and `b` have `dimensions` numbers for each pair, and `dimensions` is at least 1.
 pub fn angular<const N: usize>(
-    rounding: Rounding,
+    semantics: Semantics,
     a: &[f32],
     b: &[f32],
     dimensions: usize,
     dots: &mut [f32],
     norms: &mut [f32],
 ) {
-    let mut batch = Batch::<2, N>::new(Rules::Paper).rounding(rounding);
+    let short = Short::lanes(semantics.format);
+    let mut batch = Batch::<2, N>::new(Rules::Paper).rounding(semantics.rounding).short(short);
     let mut answers = [blank::<AngularOutput<Binary32>>(); BLOCKS];
     for ((pairs, dots), norms) in pairs(a, b, dimensions).zip(dots.chunks_mut(BLOCK)).zip(norms.chunks_mut(BLOCK)) {
         let mut last = answers[0];

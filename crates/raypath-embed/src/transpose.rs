@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4};
-use raypath_model::{BLOCK, BlockValue};
+use raypath_model::{BLOCK, BlockValue, transposed};
 
 /// Field k of sixteen records, for each k. Bit patterns are kept. Call it inside [`fearless_simd::dispatch`].
 #[inline(always)]
@@ -22,14 +22,4 @@ pub fn fields<S: Simd, const K: usize>(simd: S, record: impl Fn(usize) -> [f32; 
         }
     }
     fields
-}
-
-/// The transposed 4 × 4 matrix.
-#[inline(always)]
-fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
-    let (ac, ac_high) = a.interleave(c);
-    let (bd, bd_high) = b.interleave(d);
-    let (column_0, column_1) = ac.interleave(bd);
-    let (column_2, column_3) = ac_high.interleave(bd_high);
-    [column_0, column_1, column_2, column_3]
 }

@@ -76,6 +76,10 @@ fn arrays_are_as_single_jobs() {
         "accumulators = 4",
         "exception-flags = true",
         "rules = \"chisel\"\ntag = 1",
+        "format = \"fp16\"",
+        "format = \"fp16\"\nrules = \"chisel\"",
+        "format = \"bf16\"\nconservative = true",
+        "format = \"e4s4\"\nbarycentrics = true\nrange = true",
         "rounding = \"sum\"",
         "rounding = \"sum\"\nbarycentrics = true\nculling = \"none\"",
     ];
@@ -97,7 +101,8 @@ fn all_ways_round_alike() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let [a, b] = [(); 2].map(|()| (0..50 * 77).map(|_| random.random_range(-1.0..1.0)).collect::<Vec<f32>>());
     for lanes in [2, 4, 8, 16, 32, 64] {
-        for feature in ["tag = 1", "accumulators = 2", "rounding = \"sum\""] {
+        let formats = ["format = \"fp16\"", "format = \"bf16\""];
+        for feature in ["tag = 1", "accumulators = 2", "rounding = \"sum\""].into_iter().chain(formats) {
             let datapath = Datapath::open(&format!("lanes = {lanes}\n{feature}"), &[]).expect("valid");
             let mut sums = [(); 3].map(|()| vec![0.0; 50]);
             let [distances, dots, norms] = &mut sums;

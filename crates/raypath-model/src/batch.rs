@@ -1,6 +1,8 @@
 //! Batches of jobs of one operation, computed in SIMD lanes.
 
-use crate::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, SimdKernels};
+use crate::kernels::baseline;
+use crate::rounding::ShortLanes;
+use crate::{BLOCK, BlockSlice, BlockValue, LaneRounding, Lanes, Native, Packed, SimdKernels};
 use fearless_simd::{Level, Simd, dispatch};
 use raypath_ops::{
     Angular, AngularOutput, AngularState, BeatInput, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanOutput,
@@ -33,6 +35,7 @@ pub struct Batch<const E: usize = 16, const A: usize = 8> {
     rules: Rules,
     rounding: Rounding,
     level: Level,
+    short: Option<ShortLanes>,
     euclidean: EuclideanState<Packed>,
     angular: AngularState<Packed>,
 }
@@ -46,7 +49,7 @@ impl<const E: usize, const A: usize> Batch<E, A> {
     /// As [`new`](Self::new), with the instruction set `level`.
     pub fn at(level: Level, rules: Rules) -> Self {
         let (euclidean, angular) = (EuclideanState::zero(Packed), AngularState::zero(Packed));
-        Self { rules, rounding: Rounding::Unit, level, euclidean, angular }
+        Self { rules, rounding: Rounding::Unit, level, short: None, euclidean, angular }
     }
 
     /// The same models with another rounding of sums; [`Rounding::Unit`] by default.
@@ -54,17 +57,25 @@ impl<const E: usize, const A: usize> Batch<E, A> {
         Self { rounding, ..self }
     }
 
+    /// The same models in a short format, for the rules `paper` and `chisel`; sums round after every addition.
+    pub fn short(self, short: Option<ShortLanes>) -> Self {
+        Self { short, ..self }
+    }
+
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn quadbox(&self, jobs: &[RayBoxInput<Packed>], answers: &mut [RayBoxOutput<Packed>]) {
         // A call for each, so that the rules are constants in each.
-        match self.rules {
-            Rules::Paper => {
-                dispatch!(self.level, simd => run_blocks(simd, &RayBox { rules: Rules::Paper }, jobs, answers, &mut ()));
+        match (self.short, self.rules) {
+            (Some(lanes), rules) => run_blocks_in(lanes, &RayBox { rules }, jobs, answers, &mut ()),
+            (None, Rules::Paper) => {
+                let op = RayBox { rules: Rules::Paper };
+                dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
             }
-            Rules::Chisel => {
-                dispatch!(self.level, simd => run_blocks(simd, &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ()));
+            // For comparisons with the original, which need no wide registers.
+            (None, Rules::Chisel) => {
+                run_blocks(baseline(), &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ());
             }
-            Rules::Bounds(bits) => {
+            (None, Rules::Bounds(bits)) => {
                 let op = RayBox { rules: Rules::Bounds(bits) };
                 dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
             }
@@ -73,63 +84,44 @@ impl<const E: usize, const A: usize> Batch<E, A> {
 
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn triangle(&self, jobs: &[RayTriangleInput<Packed>], answers: &mut [RayTriangleOutput<Packed>]) {
-        let rules = self.rules;
-        // A call for each, so that the rounding is a constant in each.
-        match self.rounding {
-            Rounding::Unit => {
-                let op = RayTriangle { rules, rounding: Rounding::Unit };
-                dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
-            }
-            Rounding::Sum => {
-                let op = RayTriangle { rules, rounding: Rounding::Sum };
-                dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
-            }
-        }
+        let op = |rounding| RayTriangle { rules: self.rules, rounding };
+        by_rounding!(self, op, jobs, answers, &mut ());
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
     pub fn euclidean(&mut self, beats: &[BeatInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
-        let state = &mut self.euclidean;
-        match self.rounding {
-            Rounding::Unit => {
-                let op = Euclidean::<E> { rounding: Rounding::Unit };
-                dispatch!(self.level, simd => run_blocks(simd, &op, beats, answers, state));
-            }
-            Rounding::Sum => {
-                let op = Euclidean::<E> { rounding: Rounding::Sum };
-                dispatch!(self.level, simd => run_blocks(simd, &op, beats, answers, state));
-            }
-        }
+        by_rounding!(self, |rounding| Euclidean::<E> { rounding }, beats, answers, &mut self.euclidean);
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
     pub fn angular(&mut self, beats: &[BeatInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
-        let state = &mut self.angular;
-        match self.rounding {
-            Rounding::Unit => {
-                let op = Angular::<A> { rounding: Rounding::Unit };
-                dispatch!(self.level, simd => run_blocks(simd, &op, beats, answers, state));
-            }
-            Rounding::Sum => {
-                let op = Angular::<A> { rounding: Rounding::Sum };
-                dispatch!(self.level, simd => run_blocks(simd, &op, beats, answers, state));
-            }
-        }
+        by_rounding!(self, |rounding| Angular::<A> { rounding }, beats, answers, &mut self.angular);
     }
 }
+
+/// Runs an operation, with a call for each rounding, so that it is a constant in each. Sums that round once are
+/// integers in each lane, which wide registers do not make faster.
+macro_rules! by_rounding {
+    ($batch:ident, $op:expr, $jobs:expr, $answers:expr, $state:expr) => {{
+        let (level, op) = ($batch.level, $op);
+        match ($batch.short, $batch.rounding) {
+            (Some(lanes), _) => run_blocks_in(lanes, &op(Rounding::Unit), $jobs, $answers, $state),
+            (None, Rounding::Unit) => {
+                dispatch!(level, simd => run_blocks(simd, &op(Rounding::Unit), $jobs, $answers, $state));
+            }
+            (None, Rounding::Sum) => run_blocks(baseline(), &op(Rounding::Sum), $jobs, $answers, $state),
+        }
+    }};
+}
+use by_rounding;
 
 /// The instruction sets with which this machine can run a [`Batch`], the widest first.
 pub fn levels() -> Vec<Level> {
     let best = Level::new();
     #[cfg(target_arch = "x86_64")]
-    let levels = [
-        best.as_avx512().map(Simd::level),
-        best.as_avx2().map(Simd::level),
-        best.as_sse4_2().map(Simd::level),
-        best.as_sse2().map(Simd::level),
-    ];
+    let levels = [best.as_avx512().map(Simd::level), best.as_avx2().map(Simd::level), best.as_sse2().map(Simd::level)];
     #[cfg(not(target_arch = "x86_64"))]
     let levels = [Some(best)];
     levels.into_iter().flatten().collect()
@@ -180,8 +172,24 @@ pub fn run_blocks<S: Simd, O: Operation>(
     O::Output<Binary32>: Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S>> = O::Output<Lanes<S>>>,
     O::State<Binary32>: Family<Of<Packed> = O::State<Packed>, Of<Lanes<S>> = O::State<Lanes<S>>>,
 {
+    run_blocks_in(Lanes::new(simd), op, jobs, answers, state);
+}
+
+/// As [`run_blocks`], over lanes that may round their results.
+#[inline(always)]
+pub fn run_blocks_in<S: Simd, R: LaneRounding<S, Native>, O: Operation>(
+    lanes: Lanes<S, Native, R>,
+    op: &O,
+    jobs: &[O::Input<Packed>],
+    answers: &mut [O::Output<Packed>],
+    state: &mut O::State<Packed>,
+) where
+    O::Input<Binary32>: Family<Of<Packed> = O::Input<Packed>, Of<Lanes<S, Native, R>> = O::Input<Lanes<S, Native, R>>>,
+    O::Output<Binary32>:
+        Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S, Native, R>> = O::Output<Lanes<S, Native, R>>>,
+    O::State<Binary32>: Family<Of<Packed> = O::State<Packed>, Of<Lanes<S, Native, R>> = O::State<Lanes<S, Native, R>>>,
+{
     for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
-        let lanes = Lanes::new(simd);
         let part = BlockSlice { lanes, first };
         let mut now = <O::State<Binary32> as Family>::gather([&*state], &part);
         for (job, answer) in jobs.iter().zip(&mut *answers) {

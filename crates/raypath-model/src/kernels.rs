@@ -1,6 +1,7 @@
 //! Kernels of the paper's operations in SIMD instructions.
 
 use crate::lanes::{Four, Lanes, Register, Width};
+use crate::rounding::LaneRounding;
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use raypath_ops::{
@@ -55,11 +56,10 @@ impl Kernels<Binary32> for SimdKernels {
         shared: &Of<M::Shared, Binary32>,
         items: &[Of<M::Item, Binary32>; N],
     ) -> [Of<M::Output, Binary32>; N] {
-        let simd = match baseline() {
-            Some(simd) if N > 1 => simd,
-            _ => return map.run(c, self, shared, items),
-        };
-        let lanes = FourItems(Lanes::new(simd));
+        if N == 1 || !HAS_SIMD {
+            return map.run(c, self, shared, items);
+        }
+        let lanes = FourItems(Lanes::new(baseline()));
         let shared = M::Shared::gather([shared; 4], &lanes);
         let first: [Of<M::Output, Binary32>; 4] = four(map, &lanes, &shared, items, 0);
         let mut outputs = [first[0]; N];
@@ -87,7 +87,7 @@ fn four<M: LaneMap, const N: usize>(
     M::Output::scatter(output, lanes)
 }
 
-type FourLanes = Lanes<Baseline, Four>;
+pub(crate) type FourLanes = Lanes<Baseline, Four>;
 type Nums = <Four as Width<Baseline>>::Nums;
 type Bits = <Four as Width<Baseline>>::Bits;
 type Ints = <Bits as SimdMask<Baseline>>::Ints;
@@ -132,42 +132,42 @@ impl Scatter<FourLanes, Binary32, 4> for FourItems {
 
 /// The SIMD instructions that every machine of the architecture has.
 #[cfg(target_arch = "x86_64")]
-type Baseline = fearless_simd::Sse2;
+pub type Baseline = fearless_simd::Sse2;
 #[cfg(target_arch = "aarch64")]
-type Baseline = fearless_simd::Neon;
+pub type Baseline = fearless_simd::Neon;
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-type Baseline = fearless_simd::Fallback;
+pub type Baseline = fearless_simd::Fallback;
 
+/// A value of [`Baseline`].
 #[inline(always)]
-fn baseline() -> Option<Baseline> {
-    let level = Level::baseline();
+pub fn baseline() -> Baseline {
     #[cfg(target_arch = "x86_64")]
-    let simd = level.as_sse2();
+    let simd = Level::baseline().as_sse2();
     #[cfg(target_arch = "aarch64")]
-    let simd = level.as_neon();
-    // Lanes that are computed one by one gain nothing.
+    let simd = Level::baseline().as_neon();
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-    let simd = {
-        let _ = level;
-        None
-    };
+    let simd = Some(fearless_simd::Fallback::new());
+    let Some(simd) = simd else { unreachable!("every machine of the architecture has these instructions") };
     simd
 }
+
+/// Whether lanes are faster than one number after another.
+pub(crate) const HAS_SIMD: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
 
 /// Set in the sort key of a missed box, above its index.
 const MISSES: i32 = 4;
 
-impl<S: Simd, W: Width<S>> Kernels<Lanes<S, W>> for SimdKernels
+impl<S: Simd, W: Width<S>, R: LaneRounding<S, W>> Kernels<Lanes<S, W, R>> for SimdKernels
 where
-    Lanes<S, W>: Copy,
+    Lanes<S, W, R>: Copy,
 {
     #[inline(always)]
     fn exchange(
         self,
-        condition: Bit<Lanes<S, W>>,
-        a: Num<Lanes<S, W>>,
-        b: Num<Lanes<S, W>>,
-    ) -> (Num<Lanes<S, W>>, Num<Lanes<S, W>>) {
+        condition: Bit<Lanes<S, W, R>>,
+        a: Num<Lanes<S, W, R>>,
+        b: Num<Lanes<S, W, R>>,
+    ) -> (Num<Lanes<S, W, R>>, Num<Lanes<S, W, R>>) {
         let lanes = condition.circuit;
         let (a, b) = lanes.exchange(condition.value.0, a.value.0, b.value.0);
         (Num::new(lanes, Register(a)), Num::new(lanes, Register(b)))
@@ -175,10 +175,10 @@ where
     #[inline(always)]
     fn largest_or_zero(
         self,
-        lanes: Lanes<S, W>,
+        lanes: Lanes<S, W, R>,
         _name: Arguments<'_>,
-        [x, y, z]: [Num<Lanes<S, W>>; 3],
-    ) -> Num<Lanes<S, W>> {
+        [x, y, z]: [Num<Lanes<S, W, R>>; 3],
+    ) -> Num<Lanes<S, W, R>> {
         // The second operand is never NaN, and a zero result is the constant.
         let z0 = lanes.greater(z.value.0, lanes.constant(0.0).0);
         Num::new(lanes, Register(lanes.greater(x.value.0, lanes.greater(y.value.0, z0))))
@@ -186,11 +186,11 @@ where
     #[inline(always)]
     fn smallest_or_extent(
         self,
-        lanes: Lanes<S, W>,
+        lanes: Lanes<S, W, R>,
         name: Arguments<'_>,
-        numbers: [Num<Lanes<S, W>>; 3],
-        extent: Num<Lanes<S, W>>,
-    ) -> Num<Lanes<S, W>> {
+        numbers: [Num<Lanes<S, W, R>>; 3],
+        extent: Num<Lanes<S, W, R>>,
+    ) -> Num<Lanes<S, W, R>> {
         if extent.value.0.is_nan().any_true() {
             return Portable.smallest_or_extent(lanes, name, numbers, extent);
         }
@@ -199,7 +199,11 @@ where
         Num::new(lanes, Register(lanes.lesser(x.value.0, lanes.lesser(y.value.0, z_extent))))
     }
     #[inline(always)]
-    fn sort(self, lanes: Lanes<S, W>, entries: [SortEntry<Lanes<S, W>, 2>; 4]) -> [SortEntry<Lanes<S, W>, 2>; 4] {
+    fn sort(
+        self,
+        lanes: Lanes<S, W, R>,
+        entries: [SortEntry<Lanes<S, W, R>, 2>; 4],
+    ) -> [SortEntry<Lanes<S, W, R>, 2>; 4] {
         // The miss bit and the index form one integer, which decides ties and moves as one.
         let mut sorted: [(W::Nums, W::Ints); 4] = array_of!(i => {
             let misses = !entries[i].hit.value.0.to_vector() & MISSES;
@@ -223,7 +227,12 @@ where
 
 /// Exchanges the distances and keys `i` and `j` where the second comes before the first.
 #[inline(always)]
-fn compare_and_swap<S: Simd, W: Width<S>>(lanes: Lanes<S, W>, boxes: &mut [(W::Nums, W::Ints); 4], i: usize, j: usize) {
+fn compare_and_swap<S: Simd, W: Width<S>, R: LaneRounding<S, W>>(
+    lanes: Lanes<S, W, R>,
+    boxes: &mut [(W::Nums, W::Ints); 4],
+    i: usize,
+    j: usize,
+) {
     let ((a, a_key), (b, b_key)) = (boxes[i], boxes[j]);
     let swap = b.simd_lt(a) | (b.simd_eq(a) & b_key.simd_lt(a_key));
     let ((a, b), (a_key, b_key)) = (lanes.exchange(swap, a, b), lanes.exchange(swap, a_key, b_key));

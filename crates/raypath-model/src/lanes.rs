@@ -1,22 +1,24 @@
 //! Arithmetic in SIMD lanes: one instruction computes the same value of several jobs.
 
 use crate::packed::sum_of;
+use crate::rounding::{Exact, LaneRounding};
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd, f32x4, i32x4, mask32x4, u8x16, u32x4};
-use raypath_ops::{Binary32, Circuit, Direction, Narrowing, Relation, Test};
+use raypath_ops::{Circuit, Direction, Narrowing, Relation, Test};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Binary32 arithmetic in SIMD registers. Each lane computes what [`Binary32`] computes, bit for bit except for the
-/// signs and payloads of NaNs.
+/// Binary32 arithmetic in SIMD registers. Each lane computes what [`Binary32`](raypath_ops::Binary32) computes, bit for
+/// bit except for the signs and payloads of NaNs.
 ///
 /// `S` is the instruction set, and a value of it proves that the machine has it. `W` is the number of lanes in a
-/// register. Code over this circuit must be inlined into a function that is compiled for the instruction set: call it
-/// inside [`Simd::vectorize`] or [`fearless_simd::dispatch`].
+/// register, `R` the format to which results are rounded. Code over this circuit must be inlined into a function that
+/// is compiled for the instruction set: call it inside [`Simd::vectorize`] or [`fearless_simd::dispatch`].
 #[derive(Clone, Copy)]
-pub struct Lanes<S, W = Native> {
+pub struct Lanes<S, W = Native, R = Exact> {
     simd: S,
     width: PhantomData<W>,
+    rounding: R,
 }
 
 /// The register types for a number of lanes.
@@ -62,13 +64,27 @@ impl<S: Simd> Width<S> for Four {
 }
 
 impl<S: Simd, W: Width<S>> Lanes<S, W> {
-    /// The number of lanes.
-    pub const COUNT: usize = W::Nums::LEN;
-
     /// The circuit over the instruction set `simd`.
     #[inline(always)]
     pub fn new(simd: S) -> Self {
-        Self { simd, width: PhantomData }
+        Self::rounded(simd, Exact)
+    }
+}
+
+impl<S: Simd, W: Width<S>, R: LaneRounding<S, W>> Lanes<S, W, R> {
+    /// The number of lanes.
+    pub const COUNT: usize = W::Nums::LEN;
+
+    /// The circuit over the instruction set `simd` that rounds results.
+    #[inline(always)]
+    pub fn rounded(simd: S, rounding: R) -> Self {
+        Self { simd, width: PhantomData, rounding }
+    }
+
+    /// Numbers of binary32, rounded.
+    #[inline(always)]
+    pub(crate) fn round(self, x: W::Nums) -> Register<W::Nums> {
+        Register(self.rounding.round(self.simd, x))
     }
 
     /// The instruction set.
@@ -113,7 +129,7 @@ const TWO_TO_23: f32 = 8_388_608.0;
 
 const X86: bool = cfg!(any(target_arch = "x86", target_arch = "x86_64"));
 
-impl<S: Simd, W: Width<S>> Circuit for Lanes<S, W>
+impl<S: Simd, W: Width<S>, R: LaneRounding<S, W>> Circuit for Lanes<S, W, R>
 where
     Self: Copy,
 {
@@ -124,17 +140,17 @@ where
 
     #[inline(always)]
     fn constant(self, value: f32) -> Self::Num {
-        Register(W::Nums::simd_from(self.simd, value))
+        self.round(W::Nums::simd_from(self.simd, value))
     }
     #[inline(always)]
     fn one_plus_ulps(self, ulps: u32) -> Self::Num {
-        self.constant(Binary32.one_plus_ulps(ulps).0)
+        self.constant(1.0 + ulps as f32 * self.rounding.ulp_of_one())
     }
     #[inline(always)]
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        Register(a.0 + b.0)
+        self.round(a.0 + b.0)
     }
-    /// Lane by lane, in integers.
+    /// Lane by lane, in integers. Right in binary32 alone, as [`narrow`](Circuit::narrow) and `number_of` are.
     #[inline(always)]
     fn sum(self, terms: &[Self::Num]) -> Self::Num {
         let mut sum = self.constant(0.0).0;
@@ -145,11 +161,11 @@ where
     }
     #[inline(always)]
     fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        Register(a.0 - b.0)
+        self.round(a.0 - b.0)
     }
     #[inline(always)]
     fn multiply(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        Register(a.0 * b.0)
+        self.round(a.0 * b.0)
     }
     #[inline(always)]
     fn negate(self, a: Self::Num) -> Self::Num {
@@ -253,13 +269,13 @@ where
     }
 }
 
-impl<S: Simd, W: Width<S>> fmt::Debug for Lanes<S, W> {
+impl<S: Simd, W: Width<S>, R: LaneRounding<S, W>> fmt::Debug for Lanes<S, W, R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} lanes of {:?}", Self::COUNT, self.simd.level())
     }
 }
 
-impl<S, W> PartialEq for Lanes<S, W> {
+impl<S, W, R> PartialEq for Lanes<S, W, R> {
     /// All values of one type are equal.
     fn eq(&self, _: &Self) -> bool {
         true

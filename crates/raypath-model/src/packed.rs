@@ -1,6 +1,7 @@
 //! Blocks of sixteen jobs, field by field: the memory layout of batches.
 
 use crate::lanes::{Lanes, Native, Register, Width};
+use crate::rounding::{Exact, LaneRounding};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use raypath_ops::{
@@ -22,9 +23,9 @@ pub struct BlockValue<T>(pub [T; BLOCK]);
 
 /// Loads and stores the jobs of a block that fill one register of [`Lanes`].
 #[derive(Clone, Copy)]
-pub struct BlockSlice<S> {
+pub struct BlockSlice<S, R = Exact> {
     /// The circuit that computes.
-    pub lanes: Lanes<S>,
+    pub lanes: Lanes<S, Native, R>,
     /// The first job: a multiple of the number of lanes.
     pub first: usize,
 }
@@ -165,21 +166,21 @@ type Bits<S> = <Native as Width<S>>::Bits;
 type Ints<S> = <Bits<S> as SimdMask<S>>::Ints;
 
 /// Loads jobs of a block into registers.
-impl<S: Simd> Gather<Packed, Lanes<S>, 1> for BlockSlice<S> {
+impl<S: Simd, R: LaneRounding<S, Native>> Gather<Packed, Lanes<S, Native, R>, 1> for BlockSlice<S, R> {
     #[inline(always)]
-    fn num(&self, [value]: [&Num<Packed>; 1]) -> Num<Lanes<S>> {
+    fn num(&self, [value]: [&Num<Packed>; 1]) -> Num<Lanes<S, Native, R>> {
         let (first, count) = (self.first, Lanes::<S>::COUNT);
         let numbers = Nums::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
-        Num::new(self.lanes, Register(numbers))
+        Num::new(self.lanes, self.lanes.round(numbers))
     }
     #[inline(always)]
-    fn bit(&self, [value]: [&Bit<Packed>; 1]) -> Bit<Lanes<S>> {
+    fn bit(&self, [value]: [&Bit<Packed>; 1]) -> Bit<Lanes<S, Native, R>> {
         let (first, count) = (self.first, Lanes::<S>::COUNT);
         let ones = Ints::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
         Bit::new(self.lanes, Register(Bits::<S>::from_vector(ones)))
     }
     #[inline(always)]
-    fn word<const W: u32>(&self, [value]: [&Word<Packed, W>; 1]) -> Word<Lanes<S>, W> {
+    fn word<const W: u32>(&self, [value]: [&Word<Packed, W>; 1]) -> Word<Lanes<S, Native, R>, W> {
         let (first, count) = (self.first, Lanes::<S>::COUNT);
         let words = Words::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
         Word::new(self.lanes, Register(words))
@@ -187,17 +188,17 @@ impl<S: Simd> Gather<Packed, Lanes<S>, 1> for BlockSlice<S> {
 }
 
 /// Stores registers into jobs of a block.
-impl<S: Simd> Put<Lanes<S>, Packed> for BlockSlice<S> {
+impl<S: Simd, R: LaneRounding<S, Native>> Put<Lanes<S, Native, R>, Packed> for BlockSlice<S, R> {
     #[inline(always)]
-    fn num(&self, value: &Num<Lanes<S>>, target: &mut Num<Packed>) {
+    fn num(&self, value: &Num<Lanes<S, Native, R>>, target: &mut Num<Packed>) {
         value.value.0.store_slice(&mut target.value.0[self.first..self.first + Lanes::<S>::COUNT]);
     }
     #[inline(always)]
-    fn bit(&self, value: &Bit<Lanes<S>>, target: &mut Bit<Packed>) {
+    fn bit(&self, value: &Bit<Lanes<S, Native, R>>, target: &mut Bit<Packed>) {
         value.value.0.to_vector().store_slice(&mut target.value.0[self.first..self.first + Lanes::<S>::COUNT]);
     }
     #[inline(always)]
-    fn word<const W: u32>(&self, value: &Word<Lanes<S>, W>, target: &mut Word<Packed, W>) {
+    fn word<const W: u32>(&self, value: &Word<Lanes<S, Native, R>, W>, target: &mut Word<Packed, W>) {
         value.value.0.store_slice(&mut target.value.0[self.first..self.first + Lanes::<S>::COUNT]);
     }
 }

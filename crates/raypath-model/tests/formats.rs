@@ -2,10 +2,11 @@
 //! other formats for values that need no rounding.
 
 use crate::common::EDGES;
+use fearless_simd::prelude::*;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
-use raypath_model::{Binary64, Functional, ModelCircuit, Soft};
+use raypath_model::{Binary64, Functional, ModelCircuit, Register, Short, Soft, SoftNumber};
 use raypath_ops::{
     Aabb, Binary32, BoxBits, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput,
     RayTriangleInput, Relation, Rules, Test, Triangle,
@@ -80,6 +81,38 @@ fn soft_binary32_is_binary32() {
         }
         // All kinds of outcomes must occur.
         assert!(seen.len() == 7 && seen.values().all(|&count| count >= JOBS / 1000), "{seen:?}");
+    }
+}
+
+/// Lanes of a short format give the codes of software arithmetic, for all pairs of an 8-bit format, and in others for
+/// random ones, of which many are subnormal or lead there.
+#[test]
+fn lanes_round_to_short_formats() {
+    for (e, s) in [(4, 4), (5, 3), (3, 5), (5, 11), (8, 8), (7, 11), (8, 3)] {
+        let format = Format::new(e, s).expect("a format");
+        let lanes = Short::lanes(format).expect("a short format");
+        let soft = Soft { format };
+        let codes = 1_u64 << (e + s);
+        let number = |code: u64| Register(SimdFrom::simd_from(lanes.simd(), format.to_f64(code) as f32));
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        for pair in 0..if codes == 256 { 1 << 16 } else { 1 << 17 } {
+            let mut code = || random.random::<u64>() % codes;
+            let (a, b) = if codes == 256 { (pair / 256 % 256, pair % 256) } else { (code(), code()) };
+            let (x, y) = (number(a), number(b));
+            let (own, other) = (SoftNumber(a), SoftNumber(b));
+            for (found, expected) in [
+                (lanes.add(x, y), soft.add(own, other)),
+                (lanes.subtract(x, y), soft.subtract(own, other)),
+                (lanes.multiply(x, y), soft.multiply(own, other)),
+            ] {
+                let (found, expected) = (found.0.as_slice()[0], format.to_f64(expected.0) as f32);
+                let is_same = found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan();
+                assert!(is_same, "{format}: {a:#x}, {b:#x} give {found:e}, expected {expected:e}");
+            }
+        }
+    }
+    for format in [Format::BINARY32, Format::TF32] {
+        assert!(Short::lanes(format).is_none());
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::common::meshes;
 use crate::common::rays::{Kind, rays};
 use raypath_model::Functional;
-use raypath_ops::{Aabb, Binary32, Ray, Rules};
+use raypath_ops::{Aabb, Binary32, BoxBits, Ray, Rules};
 use raypath_render::bvh::{Reference, Target};
 use raypath_render::{Bvh4, Goal, Mesh, Scene, Stopped, Tracer, Tracing, Traversal, builtin, trace_closest};
 use raypath_timing::{Action, Agent};
@@ -126,7 +126,7 @@ fn the_latency_of_outcomes_does_not_matter() {
     let mesh = meshes::real("truck").mesh;
     let scene = Scene::new(mesh).unwrap();
     for two_sided in [false, true] {
-        for rules in [Rules::Paper, Rules::Chisel] {
+        for rules in [Rules::Paper, Rules::Chisel, Rules::Bounds(BoxBits(10))] {
             let tracing = Tracing { two_sided, rules };
             let (mut at_once, mut late) = (Tracer::new(&scene, tracing), Traversal::new(scene.bvh(), tracing));
             assert!(matches!(Agent::<Functional>::next_action(&mut late), Action::Done));

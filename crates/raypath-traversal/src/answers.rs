@@ -42,6 +42,16 @@ impl Answers {
         Self { boxes: RayBox { rules }, triangles }
     }
 
+    /// The rules of the boxes.
+    pub fn rules(&self) -> Rules {
+        self.boxes.rules
+    }
+
+    /// The operation of the triangles.
+    pub fn triangles(&self) -> RayTriangleExtended {
+        self.triangles
+    }
+
     /// The constants of a ray.
     pub fn set_up(&self, entry: &Entry<Binary32>) -> ReadyRay {
         let axes = set_up::axes(Binary32, entry.dir);

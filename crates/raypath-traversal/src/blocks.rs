@@ -203,7 +203,7 @@ impl LeafTriangle {
 /// The bounds of a box in the order of memory: the minima, then the maxima.
 fn bounds(aabb: &Aabb<Binary32>) -> [f32; BOX_WORDS] {
     let Aabb { x, y, z } = *aabb;
-    [x.min, y.min, z.min, x.max, y.max, z.max].map(f32::from)
+    [x.min.into(), y.min.into(), z.min.into(), x.max.into(), y.max.into(), z.max.into()]
 }
 
 /// A block of 128 bytes with these numbers, then, where a wide node has its child words, these words.

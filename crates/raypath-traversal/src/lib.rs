@@ -8,6 +8,7 @@
 mod answers;
 pub mod blocks;
 mod cycle;
+mod descent;
 mod engine;
 mod error;
 mod fold;

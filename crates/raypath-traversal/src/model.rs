@@ -1,6 +1,7 @@
 //! The functional model of the unit: a ray goes in, its hit comes out, without time.
 
 use crate::answers::{Answers, quotient};
+use crate::descent::Path;
 use crate::state::{NO_INSTANCE, RayState, status};
 use crate::step::{StepParameters, UnitFeatures};
 use crate::walk::{AskedKind, Walk};
@@ -95,17 +96,26 @@ pub struct Unit {
     parameters: StepParameters,
     answers: Answers,
     walk: Walk,
+    path: Path,
 }
 
 impl Unit {
     /// A unit with these rules for special cases.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
         let answers = Answers::new(rules, parameters);
-        Self { parameters, walk: Walk::new(&answers), answers }
+        Self { parameters, walk: Walk::new(&answers), path: Path::new(), answers }
     }
 
     /// Traces a ray.
     pub fn trace(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
+        if let Some(reply) = self.path.trace(&self.answers, self.parameters, memory, ray) {
+            return reply;
+        }
+        self.trace_by_steps(memory, ray)
+    }
+
+    /// As [`trace`](Self::trace), step by step as the hardware does.
+    pub fn trace_by_steps(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
         self.walk.begin(&self.answers, ray);
         while self.walk.step(&self.answers, self.parameters, memory).kind != AskedKind::Nothing {}
         self.walk.reply(self.parameters)

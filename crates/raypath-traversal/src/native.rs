@@ -8,7 +8,7 @@ use raypath_ops::{Binary32, Bit, Flags, Word};
 pub(crate) type Stack = [Group<Binary32>; MAX_STACK];
 
 /// The most entries that a stack can have.
-const MAX_STACK: usize = 32;
+pub(crate) const MAX_STACK: usize = 32;
 
 /// A stack without children.
 pub(crate) fn empty_stack() -> Stack {

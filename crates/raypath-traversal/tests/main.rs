@@ -3,6 +3,7 @@
 mod axi;
 mod bound;
 mod common;
+mod descent;
 mod instances;
 mod quantised;
 mod scenes;

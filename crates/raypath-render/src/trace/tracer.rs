@@ -105,11 +105,8 @@ impl<'s> Tracer<'s> {
         match &mut self.0 {
             Way::Traversal { traversal, rules } => {
                 traversal.start(*ray, goal);
-                // Specialise `run` for each rule set, so that the tests do not branch on the rules.
-                match rules {
-                    Rules::Paper => run(traversal, Rules::Paper),
-                    Rules::Chisel => run(traversal, Rules::Chisel),
-                    Rules::Bounds(bits) => run(traversal, Rules::Bounds(*bits)),
+                if !traversal.run_at_once() {
+                    run(traversal, *rules);
                 }
                 traversal.hit()
             }

@@ -1,3 +1,5 @@
+mod at_once;
+
 use super::{Counts, Goal, Hit, Tracing};
 use raypath_model::Functional;
 use raypath_ops::{

@@ -1,0 +1,82 @@
+//! A traversal without time: its jobs run at once, in SIMD lanes, with the same hit and counts.
+
+use super::{StackEntry, State, Traversal};
+use crate::Goal;
+use raypath_model::OneRay;
+use raypath_ops::{Binary32, RayTriangle, Rounding, Rules, Triangle, Vec3, array_of};
+use raypath_scene::bvh::Target;
+
+impl Traversal<'_> {
+    /// Runs a traversal that was started to its end. Returns false, without a change, on a machine without SIMD
+    /// instructions or with the rules `chisel`.
+    #[inline]
+    pub(in crate::trace) fn run_at_once(&mut self) -> bool {
+        let Some(ray) = OneRay::new(&self.ray) else { return false };
+        // A copy for each, in which the rules are constants.
+        match self.tracing.rules {
+            Rules::Paper => self.run_with(ray, Rules::Paper),
+            Rules::Bounds(bits) => self.run_with(ray, Rules::Bounds(bits)),
+            Rules::Chisel => return false,
+        }
+        self.state = State::Done;
+        true
+    }
+
+    #[inline(always)]
+    fn run_with(&mut self, mut ray: OneRay, rules: Rules) {
+        let bvh = self.bvh;
+        while let Some(StackEntry { reference, tmin }) = self.stack.pop() {
+            let is_near = tmin <= f32::from(self.ray.extent);
+            match reference.target() {
+                _ if !is_near => {}
+                Target::Node(node) => {
+                    self.counts.nodes += 1;
+                    self.counts.quadbox += 1;
+                    let node = &bvh.nodes()[node as usize];
+                    let found = ray.boxes(rules, array_of!(i => &node.boxes[i])).nearest_first();
+                    for rank in (0..found.count as usize).rev() {
+                        let reference = node.children[found.index[rank] as usize & 3];
+                        self.stack.push(StackEntry { reference, tmin: found.tmin[rank] });
+                    }
+                }
+                Target::Leaf { first, count } => {
+                    self.counts.leaves += 1;
+                    self.leaf(&mut ray, rules, first, count);
+                    if self.goal == Goal::Any && self.best.is_some() {
+                        return;
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, ray: &mut OneRay, rules: Rules, first: u32, count: u32) {
+        let op = RayTriangle { rules, rounding: Rounding::Unit };
+        let two_sided = self.tracing.two_sided;
+        self.counts.triangle += u64::from(count);
+        self.counts.behind += if two_sided { u64::from(count) } else { 0 };
+        for four in (0..count).step_by(4) {
+            let in_four = (count - four).min(4);
+            let slot = |i: usize| first + four + (i as u32).min(in_four - 1);
+            let vertices: [[f32; 9]; 4] = array_of!(i => {
+                let Triangle { a, b, c } = self.bvh.triangle(slot(i));
+                let vertex = |v: &Vec3<Binary32>| [v.x.into(), v.y.into(), v.z.into()];
+                let ([a, b, c], [d, e, f], [g, h, i]) = (vertex(a), vertex(b), vertex(c));
+                [a, b, c, d, e, f, g, h, i]
+            });
+            let front = ray.fronts(op, |i, k| vertices[i][k]);
+            // Of a triangle behind, b and c are exchanged.
+            let behind = two_sided.then(|| ray.fronts(op, |i, k| vertices[i][[0, 1, 2, 6, 7, 8, 3, 4, 5][k]]));
+            let sides = [Some(front), behind];
+            for i in 0..in_four as usize {
+                for (side, found) in (0..).zip(&sides) {
+                    if let Some(found) = found.as_ref().filter(|found| found.hits >> i & 1 == 1) {
+                        self.record_hit(2 * u64::from(slot(i)) + side, found.t_num[i], found.t_denom[i]);
+                    }
+                }
+            }
+        }
+        ray.set_extent(self.ray.extent.into());
+    }
+}

@@ -1,0 +1,313 @@
+//! The way of a ray through a scene, as a program over native numbers: in the same order as by [`step`], with the same
+//! hit, end and counts, but faster. Tests compare the two.
+//!
+//! [`step`]: crate::step::step
+
+use crate::answers::{Answers, ReadyRay};
+use crate::blocks::{BLOCK_BYTES, BOX_WORDS, MAX_LEAF, NODE_KIND, Node, NodeKind, VERTEX_WORDS, word};
+use crate::instance::INSTANCE_KIND;
+use crate::model::{Hit, Memory, RayRequest, Reply, instance_of};
+use crate::native::MAX_STACK;
+use crate::set_up::Entry;
+use crate::state::{NO_INSTANCE, status};
+use crate::step::{StepParameters, VISIT_LIMIT};
+use crate::words::LEVELS;
+use raypath_model::{NearestFirst, OneRay};
+use raypath_ops::{Rules, array_of};
+
+/// What a ray leaves behind on its path, for the next ray to overwrite.
+#[derive(Debug, Clone)]
+pub(crate) struct Path {
+    /// By level, modulo the entries of the stack.
+    stack: [Children; MAX_STACK],
+    /// The place of the child through which the path descends, by level.
+    places: [u8; LEVELS as usize],
+}
+
+/// The children of a node that are hit, near to far.
+#[derive(Debug, Clone, Copy)]
+struct Children {
+    /// The place of the first that is not yet visited.
+    next: u32,
+    count: u32,
+    child: [u32; 4],
+    /// The distances at which the ray enters their boxes.
+    tmin: [f32; 4],
+}
+
+impl Path {
+    pub fn new() -> Self {
+        let children = Children { next: 0, count: 0, child: [0; 4], tmin: [0.0; 4] };
+        Self { stack: [children; MAX_STACK], places: [0; LEVELS as usize] }
+    }
+
+    /// Traces a ray. Without SIMD instructions or with the rules `chisel` there is no reply.
+    #[inline]
+    pub fn trace(
+        &mut self,
+        answers: &Answers,
+        parameters: StepParameters,
+        memory: &(impl Memory + ?Sized),
+        ray: &RayRequest,
+    ) -> Option<Reply> {
+        let ready = answers.set_up(&Entry::from(ray));
+        let now = OneRay::new(&ready.ray)?;
+        let mut descent = Descent {
+            answers,
+            parameters,
+            memory,
+            ray,
+            ready,
+            now,
+            extent: ray.t_max,
+            best: None,
+            nodes: 0,
+            triangles: 0,
+            is_inside: false,
+            instance: NO_INSTANCE,
+        };
+        // A copy for each, in which the rules are constants.
+        let end = match answers.rules() {
+            Rules::Chisel => return None,
+            _ if ready.is_refused => Err(status::REFUSED),
+            Rules::Paper => descent.visit_all(Rules::Paper, self),
+            Rules::Bounds(bits) => descent.visit_all(Rules::Bounds(bits), self),
+        };
+        let Descent { best, nodes, triangles, .. } = descent;
+        let found = if best.is_some() { status::HIT } else { status::MISS };
+        Some(Reply { status: end.err().unwrap_or(found), hit: best.filter(|_| end.is_ok()), nodes, triangles })
+    }
+}
+
+struct Descent<'d, M: ?Sized> {
+    answers: &'d Answers,
+    parameters: StepParameters,
+    memory: &'d M,
+    ray: &'d RayRequest,
+    ready: ReadyRay,
+    /// In the space of the instance, if the ray is in one.
+    now: OneRay,
+    extent: f32,
+    best: Option<Hit>,
+    nodes: u32,
+    triangles: u32,
+    is_inside: bool,
+    /// The index of the instance, or [`NO_INSTANCE`].
+    instance: u32,
+}
+
+/// A node after its boxes were tested.
+struct Node4 {
+    found: NearestFirst,
+    children: [u32; 4],
+}
+
+/// What a child word refers to.
+enum Kind {
+    Node(u32),
+    Instance(u32),
+    Leaf(u32, u32),
+    Invalid,
+}
+
+impl<'d, M: Memory + ?Sized> Descent<'d, M> {
+    /// Visits what the ray visits.
+    ///
+    /// # Errors
+    /// The status of a ray that ends otherwise than with a hit or a miss.
+    #[inline(always)]
+    fn visit_all(&mut self, rules: Rules, Path { stack, places }: &mut Path) -> Result<(), u32> {
+        let entries = self.parameters.stack;
+        let slot = |level: u32| (level & (entries - 1)) as usize % MAX_STACK;
+        let lowest_kept = |level: u32| (level + 1).saturating_sub(entries);
+        // As in the state of a ray; `target` while it descends again.
+        let (mut pending, mut base, mut target, mut instance_level) = (0_u64, 0, None, 0);
+        let (mut child, mut level) = (self.ray.root, 0_u32);
+        loop {
+            match self.kind(child, level) {
+                Kind::Node(address) => {
+                    let Node4 { found, children } = self.node(rules, address)?;
+                    let mut place = 0;
+                    let bit = 1 << level;
+                    if let Some(level_to_take) = target {
+                        place = usize::from(places[level as usize]) + usize::from(level == level_to_take);
+                        if place >= found.count as usize {
+                            // The ray has become shorter since.
+                            pending &= bit - 1;
+                        }
+                        if level == level_to_take || place >= found.count as usize {
+                            target = None;
+                        }
+                    }
+                    if place < found.count as usize {
+                        places[level as usize] = place as u8;
+                        child = children[found.index[place % 4] as usize % 4];
+                        if place + 1 < found.count as usize {
+                            let after = &mut stack[slot(level)];
+                            (after.next, after.count) = (place as u32 + 1, found.count);
+                            after.child = array_of!(i => children[found.index[i] as usize % 4]);
+                            after.tmin = found.tmin;
+                            pending |= bit;
+                            base = base.max(lowest_kept(level));
+                        } else {
+                            pending &= !bit;
+                        }
+                        level += 1;
+                        continue;
+                    }
+                }
+                Kind::Instance(address) => {
+                    child = self.enter(address)?;
+                    (places[level as usize], instance_level) = (0, level);
+                    pending &= !(1 << level);
+                    level += 1;
+                    continue;
+                }
+                Kind::Leaf(address, count) => {
+                    if self.leaf(address, count)? {
+                        return Ok(());
+                    }
+                }
+                Kind::Invalid => return Err(status::ERROR),
+            }
+            // The next child of the deepest pending level, unless it is behind the hit.
+            loop {
+                if pending == 0 {
+                    return Ok(());
+                }
+                let deepest = 63 - pending.leading_zeros();
+                if deepest < base {
+                    // The stack has lost it: the ray descends again.
+                    (base, target, child, level) = (0, Some(deepest), self.ray.root, 0);
+                    self.leave();
+                    break;
+                }
+                let Children { next, count, child: children, tmin } = &mut stack[slot(deepest)];
+                let place = *next as usize % 4;
+                if tmin[place] <= self.extent {
+                    places[deepest as usize] = place as u8;
+                    (child, level) = (children[place], deepest + 1);
+                    *next += 1;
+                    if next == count {
+                        pending &= !(1 << deepest);
+                    }
+                    if deepest < instance_level {
+                        self.leave();
+                    }
+                    break;
+                }
+                pending &= !(1 << deepest);
+            }
+        }
+    }
+
+    /// What a child word at this level refers to.
+    #[inline(always)]
+    fn kind(&self, child: u32, level: u32) -> Kind {
+        let low = self.parameters.node.block_bytes() - 1;
+        let may_enter = self.parameters.features.instances && !self.is_inside;
+        let address = child & !low;
+        match child & low {
+            NODE_KIND if level < LEVELS => Kind::Node(address),
+            count @ 1..=MAX_LEAF => Kind::Leaf(address, count),
+            INSTANCE_KIND if level < LEVELS && may_enter => Kind::Instance(address),
+            _ => Kind::Invalid,
+        }
+    }
+
+    /// The children of a node that are hit.
+    #[inline(always)]
+    fn node(&mut self, rules: Rules, address: u32) -> Result<Node4, u32> {
+        let block = self.fetch(address, 1, 0)?;
+        let (found, children) = match self.parameters.node {
+            NodeKind::Wide4 => {
+                let block: &[u8; BLOCK_BYTES as usize] = block.first_chunk().ok_or(status::ERROR)?;
+                let boxes: &[[u8; 4 * BOX_WORDS]] = block.as_chunks().0;
+                let children = array_of!(i => word(block, NodeKind::Wide4.child_word() + i));
+                (self.now.boxes_of_bytes(rules, array_of!(i => &boxes[i])), children)
+            }
+            NodeKind::Quantised => {
+                let Node { boxes, children } = Node::of_quantised(block.first_chunk().ok_or(status::ERROR)?);
+                (self.now.boxes(rules, array_of!(i => &boxes[i])), children)
+            }
+        };
+        Ok(Node4 { found: found.nearest_first(), children })
+    }
+
+    /// Tests the triangles of a leaf. Returns whether the ray ends with their hit.
+    #[inline(always)]
+    fn leaf(&mut self, mut address: u32, mut left: u32) -> Result<bool, u32> {
+        loop {
+            let count = left.min(self.parameters.node.triangles_per_block());
+            let block = self.fetch(address, 0, count)?;
+            self.test(block, count);
+            left -= count;
+            let ends = self.ray.any_hit && self.best.is_some();
+            if ends || left == 0 {
+                return Ok(ends);
+            }
+            address = address.wrapping_add(self.parameters.node.block_bytes());
+        }
+    }
+
+    /// Tests the triangles of a block.
+    #[inline(always)]
+    fn test(&mut self, block: &[u8], count: u32) {
+        let number = |i: usize, k: usize| word(block, VERTEX_WORDS * i.min(count as usize - 1) + k);
+        let found = self.now.triangles(self.answers.triangles(), |i, k| f32::from_bits(number(i, k)));
+        let RayRequest { t_min, cull_back, cull_front, .. } = *self.ray;
+        for i in (0..count as usize).filter(|i| found.hits >> i & 1 == 1) {
+            let (t, t_num, t_denom) = (found.t[i], found.t_num[i], found.t_denom[i]);
+            let back_face = t_denom < 0.0;
+            let is_culled = if back_face { cull_back } else { cull_front };
+            let triangle = word(block, self.parameters.node.index_word() + i);
+            let wins_tie = || {
+                let order = |hit: &Hit| (hit.instance.unwrap_or(NO_INSTANCE), hit.triangle);
+                self.best.as_ref().is_none_or(|best| (self.instance, triangle) < order(best))
+            };
+            if t >= t_min && !is_culled && (t < self.extent || (t == self.extent && wins_tie())) {
+                let has_weights = self.parameters.features.barycentrics;
+                let barycentric = has_weights.then(|| found.edges.map(|edge| edge[i] / t_denom));
+                let instance = instance_of(self.instance);
+                self.best = Some(Hit { triangle, t, t_num, t_denom, back_face, barycentric, instance });
+                self.extent = t;
+                self.now.set_extent(t);
+            }
+        }
+    }
+
+    /// Enters an instance. Returns its only child, the root of its object.
+    #[inline(always)]
+    fn enter(&mut self, address: u32) -> Result<u32, u32> {
+        let block = self.fetch(address, 1, 0)?;
+        let inside = self.answers.instance(&self.ready, block);
+        if inside.is_refused {
+            return Err(status::ERROR);
+        }
+        self.now = OneRay::new(&inside.ray).ok_or(status::ERROR)?;
+        self.now.set_extent(self.extent);
+        let words = block.get(4 * NodeKind::Wide4.child_word()..).unwrap_or_default();
+        (self.is_inside, self.instance) = (true, word(words, 1));
+        Ok(word(words, 0))
+    }
+
+    /// Leaves the instance, if the ray is in one.
+    #[inline(always)]
+    fn leave(&mut self) {
+        if self.is_inside {
+            (self.is_inside, self.instance) = (false, NO_INSTANCE);
+            self.now = OneRay::new(&self.ready.ray).unwrap_or(self.now);
+            self.now.set_extent(self.extent);
+        }
+    }
+
+    /// A block of the memory, which counts as so many nodes and triangles.
+    #[inline(always)]
+    fn fetch(&mut self, address: u32, nodes: u32, triangles: u32) -> Result<&'d [u8], u32> {
+        let is_over_limit = self.nodes.max(self.triangles) >= VISIT_LIMIT;
+        self.nodes += nodes;
+        self.triangles += triangles;
+        let block = self.memory.block(address, self.parameters.node.block_bytes());
+        block.ok().filter(|_| !is_over_limit).ok_or(status::ERROR)
+    }
+}

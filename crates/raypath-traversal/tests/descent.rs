@@ -1,0 +1,51 @@
+//! The program that traces rays fast gives the replies of the hardware's steps, in all numbers and counts.
+
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_ops::{BoxBits, Rules};
+use raypath_traversal::blocks::NodeKind;
+use raypath_traversal::traffic::{BlockScene, TwoLevelScene, random_ray};
+use raypath_traversal::{RayRequest, StepParameters, Unit, UnitFeatures};
+
+const RULES: [Rules; 3] = [Rules::Paper, Rules::Bounds(BoxBits(8)), Rules::Bounds(BoxBits::DEFAULT)];
+const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, instances: false };
+const INSTANCES: UnitFeatures = UnitFeatures { barycentrics: false, instances: true };
+
+#[test]
+fn rays_take_the_way_of_the_steps() {
+    let (mut ends, mut rereads) = ([0; 4], 0);
+    for seed in 0..120 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let node = NodeKind::ALL[random.random_range(0..2)];
+        let (scene, root, features) = match random.random_range(0..6) {
+            0 => {
+                let scene = TwoLevelScene::random(20, true, &mut random);
+                (scene.blocks, scene.root, INSTANCES)
+            }
+            1..=3 => {
+                let (scene, root) = BlockScene::random_of(node, 500, &mut random);
+                (scene, root, WEIGHTS)
+            }
+            _ => {
+                let (scene, root) = BlockScene::deep_of(node, 60, &mut random);
+                (scene, root, UnitFeatures::OFF)
+            }
+        };
+        let rules = RULES[random.random_range(0..RULES.len())];
+        // Where the memory ends early, rays end with an error.
+        let bytes = if random.random_ratio(1, 5) { &scene.0[..scene.0.len() / 2] } else { &scene.0[..] };
+        let rays: Vec<RayRequest> = (0..100).map(|_| random_ray(root, &mut random)).collect();
+        for stack in [2, 4, 8, 32] {
+            let mut unit = Unit::new(rules, StepParameters { stack, node: scene.1, features });
+            let mut endless = Unit::new(rules, StepParameters { stack: 32, node: scene.1, features });
+            for ray in &rays {
+                let (found, expected) = (unit.trace(bytes, ray), unit.trace_by_steps(bytes, ray));
+                assert_eq!(format!("{found:?}"), format!("{expected:?}"), "seed {seed}, stack {stack}, {ray:?}");
+                ends[found.status as usize] += 1;
+                rereads += u32::from(found.nodes > endless.trace(bytes, ray).nodes);
+            }
+        }
+    }
+    let [misses, hits, refused, errors] = ends;
+    assert!(misses > 1000 && hits > 1000 && refused > 100 && errors > 100 && rereads > 1000, "{ends:?}, {rereads}");
+}
