@@ -1,9 +1,9 @@
 //! The command line of raypath, as a library: [`main`](main()) is the whole `raypath` program.
 //!
 //! The commands that every build has are `generate`, `configs`, `operations` and `ray`. The feature `full` adds those
-//! that need more libraries: `render`, `search`, `replay`, `wave`, `accuracy`, `bench`, `ppa`, `fpga`, `explore` and
-//! `verify`. The feature `workbench` has the command line for a crate with an operation of its own (the module
-//! `workbench`), which `examples/within_radius` uses.
+//! that need more libraries: `render`, `search`, `replay`, `wave`, `accuracy`, `bench`, `ppa`, `fpga` and `explore`.
+//! The feature `verify` adds `verify` to them. The feature `workbench` has the command line for a crate with an
+//! operation of its own (the module `workbench`), which `examples/within_radius` uses.
 
 #[cfg(feature = "full")]
 pub mod accuracy;

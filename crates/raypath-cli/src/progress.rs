@@ -46,7 +46,7 @@ impl Progress {
     }
 
     /// Sets the number of items. A new number begins another phase of the task, with a pace of its own.
-    #[cfg(feature = "full")]
+    #[cfg(feature = "verify")]
     pub fn of(&mut self, total: usize) -> &mut Self {
         if self.total != total {
             (self.total, self.begin) = (total, Instant::now());

@@ -100,7 +100,12 @@ use std::process::ExitCode;
 /// Adds the operation to a datapath: writes SystemVerilog, checks it against its oracle, the models and Verilator, and
 /// prints its cost.
 #[derive(Debug, Clone, Parser)]
-#[command(after_help = "Exit codes: 0 success, 1 a wrong result, 2 wrong input, 130 stopped by Ctrl-C.")]
+#[command(
+    override_usage = "NAME [OPTIONS]\n       NAME <COMMAND of raypath> --with NAME [OPTIONS]",
+    after_help = "Commands of raypath, such as `generate`, `replay`, `wave`, `ppa`, `fpga` and `verify`, take the \
+                  operation with `--with NAME`; most need `cargo run --release --features full -- COMMAND`.\n\n\
+                  Exit codes: 0 success, 1 a wrong result, 2 wrong input, 130 stopped by Ctrl-C."
+)]
 pub struct Arguments {
     /// The configuration to add it to; `raypath configs` lists them
     #[arg(long, value_name = "NAME", default_value = "paper")]
@@ -128,9 +133,16 @@ pub struct Arguments {
     pub strict: bool,
 }
 
-/// Runs the command line for an operation: the body of `main` in a crate that adds one.
+/// Runs the command line for an operation: the body of `main` in a crate that adds one. If the first argument is a
+/// command of `raypath`, that command runs, in which `--with` and the name select the operation.
 pub fn main(spec: impl Into<AnyOperationSpec>) -> ExitCode {
     let spec = spec.into();
+    if std::env::args_os().nth(1).is_some_and(|first| !first.as_encoded_bytes().starts_with(b"-")) {
+        return match raypath_oracle::add_operation(spec) {
+            Ok(()) => crate::main(),
+            Err(problem) => exit(|_| Err(CliError::unusable(problem))).into(),
+        };
+    }
     exit(|out| run(&spec, &Arguments::parse(), out)).into()
 }
 

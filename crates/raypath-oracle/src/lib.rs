@@ -29,5 +29,5 @@ mod spec;
 pub mod stimuli;
 
 pub use checks::{Checks, OracleReport, Simulated};
-pub use operations::{added_operation, added_operations};
+pub use operations::{add_operation, added_operation, added_operations};
 pub use spec::{AnyOperationSpec, OperationSpec, jobs};

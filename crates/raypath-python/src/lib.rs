@@ -20,6 +20,23 @@ mod watch;
 mod words;
 
 use pyo3::prelude::*;
+use raypath_oracle::AnyOperationSpec;
+
+/// Adds an operation of one's own, in the initialisation of a module that is built with this crate. The package
+/// `raypath`, imported after that module, then has this library for its own.
+///
+/// # Errors
+/// A name that an operation has; the package, or another module with an operation, was imported before.
+pub fn add_operation(py: Python<'_>, spec: impl Into<AnyOperationSpec>) -> PyResult<()> {
+    let modules = py.import("sys")?.getattr("modules")?;
+    if modules.contains("raypath")? || modules.contains("raypath._raypath")? {
+        return Err(error::value_error(
+            "raypath or a module like this is imported already, expected this one before it",
+        ));
+    }
+    raypath_oracle::add_operation(spec).map_err(error::value_error)?;
+    modules.set_item("raypath._raypath", pyo3::wrap_pymodule!(_raypath)(py))
+}
 
 /// The parts of raypath that are written in Rust.
 #[pymodule]

@@ -37,5 +37,5 @@ pub use error::{Error, Shortage};
 pub use ir::graph::MAX_OPERATIONS;
 pub use ir::position::{STAGES, StepLabel};
 pub use ir::units::{UnitKind, Units};
-pub use operations::Operations;
+pub use operations::{Operations, is_identifier};
 pub use schedule::Budget;

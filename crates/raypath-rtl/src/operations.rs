@@ -244,8 +244,8 @@ impl OperationVisitor for Operations {
     }
 }
 
-/// Whether a name can be part of labels, states and ports.
-fn is_identifier(name: &str) -> bool {
+/// Whether a name can be part of labels, states and ports: small letters, digits and `_`, the first a letter.
+pub fn is_identifier(name: &str) -> bool {
     let is_part = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(is_part)
 }

@@ -2,7 +2,7 @@
 
 use raypath_float::Format;
 use raypath_ops::{BoxBits, Rounding, Rules};
-use raypath_rtl::{Choice, Config, DatapathNetlist, EXCEPTIONS, Exception, Interval, Lanes, UnitLatency, parameters};
+use raypath_rtl::{Config, DatapathNetlist, EXCEPTIONS, Interval, Lanes, UnitLatency, parameters};
 use std::collections::BTreeSet;
 
 /// Every listed value of a parameter is accepted, selects a configuration of its own, and is displayed unchanged.
@@ -87,17 +87,4 @@ fn each_exception_is_refused() {
         assert_eq!(problem, format!("{beginning}, because {}; expected {expected}", exception.reason));
         assert!(DatapathNetlist::new(config).is_err());
     }
-}
-
-/// The documents have the table that `raypath configs` prints.
-#[test]
-fn documents_list_the_exceptions() {
-    let page = include_str!("../../../docs/reference/configurations.md");
-    for Exception { values, with, reason, .. } in EXCEPTIONS {
-        let cell = |choice: &Choice| format!("`{}` {}", choice.parameter, choice.values);
-        let row = format!("| {} | {} | {reason} |", cell(values), cell(with));
-        assert!(page.lines().any(|line| line == row), "docs/reference/configurations.md should have: {row}");
-    }
-    let rows = page.split("| refused | together with | because |").nth(1).expect("the table");
-    assert_eq!(rows.lines().skip(2).take_while(|line| line.starts_with('|')).count(), EXCEPTIONS.len());
 }

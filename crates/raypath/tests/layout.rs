@@ -22,6 +22,7 @@ fn layers_depend_downwards() {
         &["raypath-cli"],
         &["raypath", "raypath-python", "raypath-fuzz"],
         &["within_radius"],
+        &["within_radius_bindings"],
     ];
     let all = dependencies();
     let layer = |name: &str| layers.iter().position(|layer| layer.contains(&name));

@@ -1,7 +1,7 @@
 //! The generated files, the checks and the cost of the operation.
 
 use raypath::ops::{RayBox, RayTriangle, Rounding, Rules};
-use raypath::oracle::{AnyOperationSpec, Checks};
+use raypath::oracle::{AnyOperationSpec, Checks, add_operation};
 use raypath::prelude::*;
 use raypath::rtl::{Config, Lanes};
 use raypath::sim::transactions::read;
@@ -257,4 +257,25 @@ fn state_stays_from_job_to_job() {
     let specs = [AnyOperationSpec::from(OperationSpec::of(NearestSoFar))];
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 1, jobs: 500 };
     assert_eq!(checks.against_the_models(|_| true).expect("a netlist").different, 0);
+}
+
+/// A command of raypath, run by the crate's program, finds the operation by its name.
+#[test]
+fn commands_of_raypath_take_the_operation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |name: &str| {
+        let program = std::process::Command::new(env!("CARGO_BIN_EXE_within_radius"))
+            .args(["generate", "--jobs", "200", "--with", name, "--out"])
+            .arg(folder.path())
+            .output()
+            .expect("the program");
+        (program.status.code(), String::from_utf8_lossy(&[program.stdout, program.stderr].concat()).into_owned())
+    };
+    let (code, text) = run(NAME);
+    assert!(code == Some(0) && text.contains("Oracle of within_radius"), "{code:?} {text}");
+    let (code, text) = run("nothing");
+    assert!(code == Some(2) && text.contains("sphere or within_radius"), "{code:?} {text}");
+    let taken =
+        add_operation(OperationSpec::of(RayBox { rules: Default::default() })).expect_err("a name that is taken");
+    assert!(taken.contains("there is an operation 'quadbox'"), "{taken}");
 }

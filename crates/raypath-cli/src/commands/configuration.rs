@@ -45,7 +45,7 @@ impl ConfigArguments {
     }
 
     /// Whether the user selected nothing: the default.
-    #[cfg(feature = "full")]
+    #[cfg(feature = "verify")]
     fn is_default(&self) -> bool {
         self.base.preset.is_none() && self.base.config.is_none() && self.changes.is_empty()
     }
@@ -117,7 +117,7 @@ impl DatapathArguments {
     }
 
     /// Whether the user selected nothing: the default.
-    #[cfg(feature = "full")]
+    #[cfg(feature = "verify")]
     pub fn is_default(&self) -> bool {
         self.specs.is_empty() && self.config.is_default()
     }

@@ -117,7 +117,7 @@ pub(crate) fn exit(command: impl FnOnce(&mut dyn Write) -> Result<(), CliError>)
 fn needs_full(command: &str) -> String {
     format!(
         "this build has no `{command}`, expected a build with the feature `full`\n\
-         help: run `cargo raypath {command}`, or install all commands with \
-         `cargo install --path crates/raypath --features full`"
+         help: run `cargo raypath {command}`, in a crate of your own `cargo run --release --features full -- \
+         {command}`, or install all commands with `cargo install --path crates/raypath --features full`"
     )
 }

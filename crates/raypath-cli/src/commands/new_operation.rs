@@ -2,6 +2,7 @@
 
 use crate::error::CliError;
 use clap::Args;
+use raypath_rtl::is_identifier;
 use raypath_sim::files::{in_folder, write_all};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -24,8 +25,7 @@ const TEMPLATE: &str = include_str!("new_operation/template.rs");
 /// # Errors
 /// A name that a datapath cannot have; a folder that exists; a checkout that is gone.
 pub fn run(Arguments { name, folder }: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
-    let is_part = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(is_part) {
+    if !is_identifier(name) {
         let expected = "expected small letters, digits and _, the first a letter";
         return Err(CliError::unusable(format!("'{name}' is not a name of an operation, {expected}")));
     }
@@ -52,10 +52,10 @@ pub fn run(Arguments { name, folder }: &Arguments, out: &mut dyn Write) -> Resul
 /// The manifest. A crate outside of the workspace does not get the profiles of raypath's own manifest.
 fn manifest(name: &str, raypath: &Path) -> String {
     format!(
-        "[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[dependencies]\nraypath = {{ path = \
-         {raypath:?}, features = [\"workbench\"] }}\n\n# The compiler of simulated netlists runs for milliseconds.\n\
-         [profile.release.package]\ncranelift-codegen = {{ opt-level = 0 }}\ncranelift-assembler-x64 = {{ opt-level = 0 \
-         }}\n"
+        "[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[dependencies]\n\
+         raypath = {{ path = {raypath:?}, features = [\"workbench\"] }}\n\n[features]\nfull = [\"raypath/full\"]\n\n\
+         # The compiler of simulated netlists runs for milliseconds.\n[profile.release.package]\n\
+         cranelift-codegen = {{ opt-level = 0 }}\ncranelift-assembler-x64 = {{ opt-level = 0 }}\n"
     )
 }
 

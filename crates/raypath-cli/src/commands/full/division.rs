@@ -64,6 +64,7 @@ impl DivisionArguments {
     }
 
     /// Whether the user chose a part of the work, or where its results go or come from.
+    #[cfg(feature = "verify")]
     pub fn is_chosen(&self) -> bool {
         self.shard.is_some() || self.is_divided()
     }

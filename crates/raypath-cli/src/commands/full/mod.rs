@@ -17,6 +17,7 @@ mod search;
 mod stream;
 mod timed;
 mod utilisation;
+#[cfg_attr(not(feature = "verify"), path = "no_verify.rs")]
 mod verify;
 mod view;
 mod visits;
