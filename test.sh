@@ -111,6 +111,7 @@ if [ "$level" = full ]; then
   step 'Features'
   # What a crate with an operation of its own compiles.
   cargo check --package raypath-cli --features workbench --profile "$profile" --locked
+  examples/within_radius/bindings/try.sh "$target/python/venv/bin/python"
   step 'Licences'
   command -v cargo-deny >/dev/null || cargo install cargo-deny --locked
   cargo deny check bans licenses sources

@@ -22,7 +22,7 @@ def with_docstrings(text: str) -> str:
     declarations += [
         (member, getattr(_raypath, node.name))
         for node, _ in declarations
-        if isinstance(node, ast.ClassDef)
+        if isinstance(node, ast.ClassDef) and hasattr(_raypath, node.name)
         for member in node.body
     ]
     for node, owner in sorted(declarations, key=lambda item: -item[0].lineno):

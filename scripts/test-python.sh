@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the wheel, installs it in a virtual environment under target/python, and runs mypy, ruff and pytest.
+# Builds the wheel with all commands, installs it in a virtual environment under target/python, and runs mypy, ruff
+# and pytest.
 #   scripts/test-python.sh [ARGUMENTS OF PYTEST]
 #   RAYPATH_PROFILE=release scripts/test-python.sh    with another of Cargo's profiles than `tests`
 set -euo pipefail
@@ -24,7 +25,7 @@ fi
 export PATH=$venv/bin:$PATH VIRTUAL_ENV=$venv MPLCONFIGDIR=$folder/matplotlib
 
 rm -rf "$folder/wheels"
-maturin build --profile "$profile" --locked --quiet --out "$folder/wheels" --compression-level 1
+maturin build --profile "$profile" --features verify --locked --quiet --out "$folder/wheels" --compression-level 1
 uv pip install --quiet --no-deps --reinstall "$folder"/wheels/raypath-*.whl
 
 # uv compiles nothing, and the tests start Python a hundred times: the first start has to keep what it compiles.

@@ -2,11 +2,12 @@
 
 use crate::error::value_error;
 use crate::hits::TraceHit;
-use numpy::npyffi::_PyArray_GET_ITEM_DATA;
+use numpy::npyffi::{self, _PyArray_GET_ITEM_DATA, NpyTypes, PY_ARRAY_API};
 use numpy::{PyArrayDescr, PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBytes, PyDict, PyList};
+use pyo3::types::{PyDict, PyList};
 use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, UnitHit, UnitRay, Vertices};
 use std::marker::PhantomData;
 use std::ops::Deref;
@@ -195,12 +196,17 @@ pub fn item<T: Item>(array: &Bound<'_, PyAny>, name: &str) -> PyResult<T> {
 /// An item of an array of structures, or an array of one item.
 pub fn structure<T: Item>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<T> {
     let py = value.py();
-    if value.getattr_opt("dtype")?.is_some_and(|dtype| T::dtype(py).is_ok_and(|own| dtype.is(&own))) {
-        let bytes = value.call_method0("tobytes")?.cast_into::<PyBytes>()?;
-        if bytes.as_bytes().len() == size_of::<T>() {
-            #[allow(unsafe_code)]
-            // SAFETY: as many bytes as the type has, of which every pattern is a value.
-            return Ok(unsafe { bytes.as_bytes().as_ptr().cast::<T>().read_unaligned() });
+    #[allow(unsafe_code)]
+    // SAFETY: NumPy gives the address of a scalar whose type is that of `T`, all patterns of whose bytes are values.
+    // With `tobytes` in place of it, `UnitModel.step(ray)` takes 2.4 µs, and 1.0 µs so.
+    unsafe {
+        let void = npyffi::get_type_object(py, NpyTypes::PyVoidArrType_Type);
+        // Not a class derived from it, whose attribute may be anything.
+        let dtype = (value.get_type().as_type_ptr() == void).then(|| value.getattr(intern!(py, "dtype")));
+        if dtype.transpose()?.is_some_and(|dtype| T::dtype(py).is_ok_and(|own| dtype.is(&own))) {
+            let mut bytes: *const T = std::ptr::null();
+            PY_ARRAY_API.PyArray_ScalarAsCtype(py, value.as_ptr(), (&raw mut bytes).cast());
+            return Ok(bytes.read_unaligned());
         }
     }
     match &*items::<T>(&py.import("numpy")?.call_method1("ravel", (value,))?, name)? {
@@ -302,7 +308,7 @@ impl<'py> Output<'py> {
 
 /// Rays as the datapath expects them, from origins, directions and extents.
 ///
-/// A ray reaches the points ``origin + t * direction`` for ``0 <= t <= extent``. Distances of all operations are in
+/// A ray reaches the points ``origin + t * direction`` for ``0 < t <= extent``. Distances of all operations are in
 /// units of the direction's length, which may be any except 0.
 ///
 /// Args:

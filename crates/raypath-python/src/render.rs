@@ -172,7 +172,8 @@ impl PyScene {
 ///
 /// Args:
 ///     scene: the mesh.
-///     eye: the position of the camera; without it, the camera sees the whole mesh.
+///     eye: the position of the camera; without it, the camera sees the whole mesh, and ``target``, ``up`` and ``fov``
+///         count for nothing.
 ///     target: the point at which the camera looks; the origin by default.
 ///     up: the direction that is upwards in the picture.
 ///     fov: the vertical field of view in degrees, more than 0 and less than 180.

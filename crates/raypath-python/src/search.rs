@@ -153,7 +153,12 @@ pub fn search(
         metric: metric.parse().map_err(value_error)?,
         lanes,
         graph,
-        ef: ef.unwrap_or(5 * k).max(k),
+        ef: match ef {
+            Some(ef) if !(k..=65_536).contains(&ef) => {
+                return Err(value_error(format!("ef: found {ef}, expected {k} to 65,536")));
+            }
+            ef => ef.unwrap_or(5 * k),
+        },
         system: system(&datapath, queries_in_flight, memory_latency),
         timed,
     };

@@ -15,6 +15,7 @@ use raypath_render::Bounds;
 use raypath_rtl::Config;
 use raypath_rtl::report::picture;
 use raypath_traversal::UnitParameters;
+use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::{NO_INSTANCE, status};
 use raypath_traversal::system::{CacheParameters, MemoryParameters};
 use std::ffi::CString;
@@ -120,7 +121,8 @@ impl Unit {
         let unit = self.inner.clone();
         let inner = abandoned_at_signals(py, move || unit.scene(input).map_err(exception))?;
         let [min, max] = inner.bounds;
-        Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)) })
+        let node = Some(self.inner.parameters().step.node);
+        Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)), node })
     }
 
     /// Traces rays by the functional model, without time.
@@ -141,6 +143,7 @@ impl Unit {
     ///     UserWarning: a ray begins beyond the ``reach`` of the scene.
     fn trace(&self, py: Python<'_>, scene: &Bound<'_, UnitScene>, rays: &Bound<'_, PyAny>) -> PyResult<UnitHits> {
         let (scene, rays) = (scene.get(), items::<UnitRay>(rays, "rays")?);
+        scene.check(&self.inner)?;
         scene.warn_beyond_reach(py, &rays)?;
         let mut output = Output::new::<UnitHit>(py, rays.len())?;
         let (unit, rays, hits) = (&self.inner, &*rays, output.items()?);
@@ -192,6 +195,7 @@ impl Unit {
         cache_latency: u64,
     ) -> PyResult<(UnitHits, Bound<'py, PyDict>)> {
         let (scene, rays) = (scene.get(), items::<UnitRay>(rays, "rays")?);
+        scene.check(&self.inner)?;
         scene.warn_beyond_reach(py, &rays)?;
         let cache = cache.map(|bytes| CacheParameters {
             bytes,
@@ -288,6 +292,7 @@ pub fn shown(hit: UnitHit) -> UnitHit {
 ///     data: the bytes, the first of which has the address 0; ``Unit.scene`` and ``raypath scene`` make them.
 ///     root: the child word of the root, which ``raypath scene`` prints.
 ///     within: the corners of the scene's box and its reach, for warnings of rays from further away.
+///     node: the kind of its nodes, ``"wide4"`` or ``"quantised"``; a unit that reads others refuses it.
 ///
 /// Raises:
 ///     OverflowError: a root of more than 32 bits.
@@ -296,12 +301,24 @@ pub struct UnitScene {
     pub data: Box<[u8]>,
     root: u32,
     within: Option<Within>,
+    node: Option<NodeKind>,
 }
 
 /// The corners of a scene's box, and its reach.
 type Within = ([f32; 3], [f32; 3], f32);
 
 impl UnitScene {
+    /// An error for a unit that reads other nodes.
+    pub fn check(&self, unit: &embed::Unit) -> PyResult<()> {
+        let expected = unit.parameters().step.node;
+        match self.node {
+            Some(found) if found != expected => {
+                Err(value_error(format!("scene: found nodes {found}, expected {expected}, which the unit reads")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn warn_beyond_reach(&self, py: Python<'_>, rays: &[UnitRay]) -> PyResult<()> {
         let Some((min, max, reach)) = self.within else { return Ok(()) };
         let bounds = Bounds { min, max };
@@ -331,14 +348,15 @@ pub fn warn_beyond(py: Python<'_>, reach: f32, distances: impl Iterator<Item = f
 #[pymethods]
 impl UnitScene {
     #[new]
-    #[pyo3(signature = (data, root, within = None))]
-    fn new(data: &Bound<'_, PyBytes>, root: u32, within: Option<Within>) -> Self {
-        Self { data: data.as_bytes().into(), root, within }
+    #[pyo3(signature = (data, root, within = None, node = None))]
+    fn new(data: &Bound<'_, PyBytes>, root: u32, within: Option<Within>, node: Option<&str>) -> PyResult<Self> {
+        let node = node.map(str::parse).transpose().map_err(value_error)?;
+        Ok(Self { data: data.as_bytes().into(), root, within, node })
     }
 
     /// The arguments that make an equal scene, for ``pickle``.
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyBytes>, u32, Option<Within>) {
-        (self.data(py), self.root, self.within)
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyBytes>, u32, Option<Within>, Option<String>) {
+        (self.data(py), self.root, self.within, self.node.map(|node| node.to_string()))
     }
 
     /// The greatest distance, along any axis, between the origin of a ray and a vertex; None for bytes from elsewhere.

@@ -151,12 +151,19 @@ impl UnitModel {
         let rays = rays.map(|rays| items::<UnitRay>(rays, "rays")).transpose()?;
         let rays = rays.as_deref().unwrap_or(&[]);
         let ids = ray_ids.map(|ids| items_like::<u64>(ids, "ray_ids", rays.len(), "rays")).transpose()?;
+        let bits = self.unit.get().inner.parameters().id_width;
+        let last =
+            ids.as_ref().map_or(rays.len().checked_sub(1).map(|last| last as u64), |ids| ids.iter().copied().max());
+        if let Some(id) = last.filter(|id| *id > u64::MAX >> (64 - bits)) {
+            return Err(value_error(format!("ray_ids: found {id}, expected numbers of at most {bits} bits")));
+        }
         let ready = |array: Option<&Bound<'py, PyAny>>, name| {
             array.map(|array| items_like::<Truth>(array, name, cycles as usize, "cycles")).transpose()
         };
         let (hit_ready, request_ready) = (ready(hit_ready, "hit_ready")?, ready(request_ready, "request_ready")?);
         let width = self.unit.get().inner.parameters().memory_width as usize / 8;
         let block = self.unit.get().inner.parameters().step.node.block_bytes() as usize;
+        scene.map_or(Ok(()), |scene| scene.get().check(&self.unit.get().inner))?;
         let bytes: &[u8] = scene.map_or(&[], |scene| &scene.get().data);
         let nothing = vec![0; width];
         let Self { inner, due, .. } = self;

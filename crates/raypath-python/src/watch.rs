@@ -3,10 +3,12 @@
 use crate::error::exception;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use raypath_embed::Error;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -26,7 +28,7 @@ pub fn watched<T: Send>(
     let is_stopped = AtomicBool::new(false);
     py.detach(|| {
         let (sender, receiver) = mpsc::channel();
-        rayon::in_place_scope(|scope| {
+        pool()?.in_place_scope(|scope| {
             let is_stopped = &is_stopped;
             scope.spawn(move |_| {
                 // The receiver is gone only if it has already stopped the work.
@@ -35,6 +37,22 @@ pub fn watched<T: Send>(
             awaited(&receiver).inspect_err(|_| is_stopped.store(true, Ordering::Relaxed))
         })
     })
+}
+
+/// The threads of this process: a process that was forked has none of its parent's.
+fn pool() -> PyResult<Arc<ThreadPool>> {
+    static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    match &*pool {
+        Some((process, threads)) if *process == std::process::id() => Ok(threads.clone()),
+        _ => {
+            let threads = ThreadPoolBuilder::new().build();
+            let threads = Arc::new(threads.map_err(|problem| PyRuntimeError::new_err(problem.to_string()))?);
+            // The pool of the parent is not dropped, because dropping waits for its threads.
+            std::mem::forget(pool.replace((std::process::id(), threads.clone())));
+            Ok(threads)
+        }
+    }
 }
 
 /// As [`watched`], for work that nothing can stop: after a signal it goes on in a thread of its own, and its result is

@@ -65,6 +65,7 @@ ARRAYS: list[tuple[Callable[[Any], Any], str]] = [
     (lambda d: raypath.Job.words(d, "euclidean", **ports(d, euclidean_a_0=ONES[0])), r"expected one job"),
     (lambda d: raypath.Pipeline(d).offer(raypath.Job.euclidean(PAIR[0], PAIR[0])), r"a beat of 40 and 40 coord"),
     (lambda d: raypath.Scene(ONES, FACES + np.uint32(4)), r"triangle 0 names vertex 4, expected less than 4"),
+    (lambda d: raypath.Scene(ONES, FACES.astype(np.int32) - 1), r"faces: found a int32 array .* expected .* uint32"),
     (lambda d: raypath.Scene(ONES, FACES.astype(np.int64) - 1), r"faces: found a int64 array .* expected .* uint32"),
     (lambda d: raypath.Scene(NAN, FACES), r"vertex 0 has x = NaN"),
     (lambda d: raypath.Scene(ONES, FACES[:0]), r"0 triangles, expected at least 1"),

@@ -105,6 +105,7 @@ except KeyboardInterrupt:
     assert process.communicate(timeout=60)[0] == "interrupted\n"
 
 
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_pickles() -> None:
     """Objects of other processes are equal."""
     unit = raypath.Unit("compact", contexts=16, barycentrics=True)
@@ -130,9 +131,11 @@ def test_pickles() -> None:
         assert copied_model.save() == model.save()
     with pytest.raises(ValueError, match="expected those that a model saved"):
         pipeline.restore(b"bytes")
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
-        found = pool.apply(unit.trace, (memory, rays))
-    np.testing.assert_array_equal(found.array, unit.trace(memory, rays).array)
+    # A process that was forked has none of the threads with which its parent has traced.
+    for way in ("spawn", "fork"):
+        with multiprocessing.get_context(way).Pool(1) as pool:
+            found = pool.apply_async(unit.trace, (memory, rays)).get(60)
+        np.testing.assert_array_equal(found.array, unit.trace(memory, rays).array)
 
 
 def test_hits_are_rows() -> None:

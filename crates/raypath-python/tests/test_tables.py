@@ -4,6 +4,7 @@ import pickle
 import re
 import runpy
 from pathlib import Path
+from typing import Any
 
 import pandas
 import pytest
@@ -67,7 +68,7 @@ def test_parameters_are_keywords(root: Path) -> None:
     stub = (root / "crates/raypath-python/python/raypath/_raypath.pyi").read_text()
     constructor = stub.split("        with_: str")[1].split(") -> Datapath")[0]
     assert re.findall(r"^ {8}(\w+):", constructor, re.M) == [row["keyword"] for row in parameters]
-    defaults = {row["keyword"]: row["default"] for row in parameters}
+    defaults: dict[str, Any] = {row["keyword"]: row["default"] for row in parameters}
     assert raypath.Datapath(**defaults).config == raypath.Datapath().config
 
 

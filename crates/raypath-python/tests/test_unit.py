@@ -358,6 +358,8 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
     (lambda unit: unit.simulate(SCENE, RAYS, latency=0), r"latency of 0 cycles, expected 1 to 1000000"),
     (lambda unit: unit.simulate(SCENE, RAYS, bandwidth=0), r"0 bytes a cycle, expected 1 to 65536"),
     (lambda unit: unit.simulate(SCENE, RAYS, cache=100), r"a cache of 100 bytes"),
+    (lambda unit: unit.trace(raypath.UnitScene(b"", 32, node="quantised"), RAYS), r"nodes quantised, expected wide4"),
+    (lambda unit: raypath.UnitModel(unit).run(10, RAYS, np.array([1, 4096])), r"ray_ids: found 4096, expected .* 12"),
     (lambda unit: raypath.UnitModel(unit).step(RAYS), r"ray: found 2 rays, expected 1"),
     (lambda unit: raypath.UnitModel(unit).step(RAYS[0], 4096), r"id 4096, expected at most 12 bits"),
     (lambda unit: raypath.UnitModel(unit).step(response=(0, bytes(32))), r"a beat with the tag 0, expected that of"),

@@ -17,6 +17,8 @@ def lossless(array: NDArray[Any], dtype: np.dtype[Any]) -> NDArray[Any] | None:
         if array.dtype == dtype:
             return converted
         again = converted.astype(array.dtype)
-        # A NaN differs from itself.
+        # A NaN differs from itself; a negative integer comes back from an unsigned type.
         same = (again == array) | ((again != again) & (array != array))
+        if array.dtype.kind == "i" and dtype.kind == "u":
+            same &= array >= 0
     return converted if same.all() else None

@@ -1,6 +1,6 @@
 import os
 from collections.abc import Iterator, Sequence
-from typing import Any, Literal, final, overload
+from typing import Any, Literal, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +10,115 @@ _Float32 = NDArray[np.float32]
 _Numbers = NDArray[np.number[Any]]
 _Rays = NDArray[np.void]
 _Ray = np.void | _Rays
-_Row = dict[str, Any]
 # What selects one hit, or several.
 _Number = int | np.integer[Any]
 _Several = slice | NDArray[np.integer[Any]] | NDArray[np.bool_] | Sequence[int]
+
+_Text = dict[str, str]
+
+class _Units(TypedDict):
+    step: int
+    stage: str
+    encode: int
+    add: int
+    sum: int
+    mul: int
+    compare: int
+    decode: int
+
+class _Schedule(_Units):
+    operation: str
+    work: str
+
+class _Registers(TypedDict):
+    step: int
+    stage: str
+    live: int
+    data: int
+    control: int
+    state: int
+    flip_flops: int
+
+class _Port(TypedDict):
+    operation: str
+    direction: Literal["input", "output"]
+    name: str
+    kind: Literal["number", "flags", "word"]
+    width: int
+
+class _Traced(TypedDict):
+    kind: str
+    rays: int
+    hits: int
+    quadbox: int
+    triangle: int
+    behind: int
+    nodes: int
+    leaves: int
+
+class _Timing(TypedDict):
+    in_flight: int
+    memory_latency: int
+    agents: int
+    cycles: int
+    jobs: int
+    triangle: int
+    quadbox: int
+    euclidean: int
+    angular: int
+    jobs_per_cycle: float
+    agents_per_cycle: float
+    mean_latency: float
+    fetches: int
+    accepted: int
+    refused: int
+    starved_memory: int
+    starved_outcomes: int
+    starved_both: int
+    starved_locked: int
+
+class _UnitParameters(TypedDict):
+    contexts: int
+    stack: int
+    memory_width: int
+    id_width: int
+    divider_latency: int
+    node: Literal["wide4", "quantised"]
+    instances: bool
+
+class _Simulation(TypedDict):
+    cycles: int
+    rays: int
+    boxes: int
+    triangles: int
+    steps: int
+    fetches: int
+    beats: int
+    cache_hits: int
+    cache_misses: int
+    rays_in_flight: float
+    jobs_per_cycle: float
+
+class _Hit(TypedDict):
+    status: int
+    triangle: int
+    instance: int
+    t: float
+    t_num: float
+    t_denom: float
+    u: float
+    v: float
+    back_face: bool
+    nodes: int
+    triangles: int
+
+class _Run(TypedDict):
+    accepted: int
+    hits: UnitHits
+    hit_ids: NDArray[np.uint64]
+    hit_cycles: NDArray[np.uint64]
+    request_addresses: NDArray[np.uint32]
+    request_cycles: NDArray[np.uint64]
 
 __all__ = [
     "RAY",
@@ -68,19 +173,19 @@ def rust_seconds(
         chunks that fit into the cache; of ``Batch`` alone, for blocks of jobs that are packed in memory before; of
         ``raypath_embed`` for the given arrays. The first and the third include the allocation of their results."""
 
-def operations() -> list[_Row]:
+def operations() -> list[_Text]:
     """The operations that ``Datapath(with_=...)`` adds to those of the paper.
 
     Returns:
         A row for each operation: ``operation`` and ``purpose``."""
 
-def parameters() -> list[_Row]:
+def parameters() -> list[_Text]:
     """The parameters of a configuration, which are keywords of ``Datapath``.
 
     Returns:
         A row for each parameter: ``keyword``, ``values``, ``default``, ``meaning`` and ``group``."""
 
-def presets() -> list[_Row]:
+def presets() -> list[_Text]:
     """The presets: named configurations.
 
     Returns:
@@ -90,7 +195,7 @@ def presets() -> list[_Row]:
 def rays(origins: _Numbers, directions: _Numbers, extent: float | _Numbers | None = None) -> _Rays:
     """Rays as the datapath expects them, from origins, directions and extents.
 
-    A ray reaches the points ``origin + t * direction`` for ``0 <= t <= extent``. Distances of all operations are in
+    A ray reaches the points ``origin + t * direction`` for ``0 < t <= extent``. Distances of all operations are in
     units of the direction's length, which may be any except 0.
 
     Args:
@@ -299,26 +404,26 @@ class Datapath:
 
         Raises:
             OSError: a file or folder that cannot be written; then no file is changed."""
-    def schedule(self) -> list[_Row]:
+    def schedule(self) -> list[_Schedule]:
         """The work of each operation in each step of the pipeline (Table VII of the paper).
 
         Returns:
             A row for each step and operation, for example for ``pandas.DataFrame``: ``step`` (0 is the input's
             registers), ``stage`` (its name: "2", or "2.1" if a stage has several steps), ``operation``, ``work`` (a
             description; empty if values only pass through) and the number of units of each kind."""
-    def units(self) -> list[_Row]:
+    def units(self) -> list[_Units]:
         """The floating-point units of each step of the pipeline, counted in the netlist (Table VIII of the paper).
 
         Returns:
             A row for each step: ``step``, ``stage``, and the number of units of each kind: ``encode``, ``add``,
             ``mul``, ``compare``, ``decode``."""
-    def registers(self) -> list[_Row]:
+    def registers(self) -> list[_Registers]:
         """The register bits after each step of the pipeline, counted in the netlist.
 
         Returns:
             A row for each step: ``step``, ``stage``, ``live`` (bits of a job), ``data``, ``control`` and ``state``
             (flip-flops by purpose), and ``flip_flops``, the sum of the three."""
-    def ports(self) -> list[_Row]:
+    def ports(self) -> list[_Port]:
         """The ports of each operation, without those of the handshake and the opcode.
 
         Returns:
@@ -335,7 +440,7 @@ class QuadboxHits:
 
     They have a length, iterate, and index: by a field's name, by a number for one, by a slice or an array for
     several. ``pandas.DataFrame(hits.array)`` has a column for each field of one number."""
-    def __new__(cls, array: NDArray[np.void], timing: _Row | None = None) -> QuadboxHits: ...
+    def __new__(cls, array: NDArray[np.void], timing: _Timing | None = None) -> QuadboxHits: ...
     @property
     def array(self) -> NDArray[np.void]:
         """The structured array of shape (n,), of which the other attributes are views."""
@@ -367,7 +472,7 @@ class TriangleHits:
 
     They have a length, iterate, and index: by a field's name, by a number for one, by a slice or an array for
     several. ``pandas.DataFrame(hits.array)`` has a column for each field of one number."""
-    def __new__(cls, array: NDArray[np.void], timing: _Row | None = None) -> TriangleHits: ...
+    def __new__(cls, array: NDArray[np.void], timing: _Timing | None = None) -> TriangleHits: ...
     @property
     def array(self) -> NDArray[np.void]:
         """The structured array of shape (n,), of which the other attributes are views."""
@@ -554,6 +659,7 @@ class UnitScene:
         data: the bytes, the first of which has the address 0; ``Unit.scene`` and ``raypath scene`` make them.
         root: the child word of the root, which ``raypath scene`` prints.
         within: the corners of the scene's box and its reach, for warnings of rays from further away.
+        node: the kind of its nodes, ``"wide4"`` or ``"quantised"``; a unit that reads others refuses it.
 
     Raises:
         OverflowError: a root of more than 32 bits."""
@@ -562,6 +668,7 @@ class UnitScene:
         data: bytes,
         root: int,
         within: tuple[Sequence[float], Sequence[float], float] | None = None,
+        node: Literal["wide4", "quantised"] | None = None,
     ) -> UnitScene: ...
     @property
     def reach(self) -> float | None:
@@ -613,7 +720,7 @@ class UnitHits:
 
     They have a length, iterate, and index: by a field's name, by a number for one, by a slice or an array for
     several. ``pandas.DataFrame(hits.array)`` has a column for each field of one number."""
-    def __new__(cls, array: NDArray[np.void], timing: _Row | None = None) -> UnitHits: ...
+    def __new__(cls, array: NDArray[np.void], timing: _Timing | None = None) -> UnitHits: ...
     @property
     def array(self) -> NDArray[np.void]:
         """The structured array of shape (n,), of which the other attributes are views."""
@@ -705,7 +812,7 @@ class Unit:
         barycentrics: bool = ...,
     ) -> Unit: ...
     @property
-    def parameters(self) -> _Row:
+    def parameters(self) -> _UnitParameters:
         """The parameters of the unit by their keywords, without those of the datapath."""
     @property
     def latency(self) -> int:
@@ -763,7 +870,7 @@ class Unit:
         cache_ways: int = 4,
         cache_line: int = 128,
         cache_latency: int = 8,
-    ) -> tuple[UnitHits, _Row]:
+    ) -> tuple[UnitHits, _Simulation]:
         """Traces rays by the cycle-exact model with a memory, and measures. Rays are offered in order as soon as the unit
         is ready, and hits are taken at once.
 
@@ -809,7 +916,7 @@ class UnitOutputs:
     def hit_id(self) -> int | None:
         """The number of the ray that has ended, or None."""
     @property
-    def hit(self) -> _Row | None:
+    def hit(self) -> _Hit | None:
         """Its hit, with the fields of ``UnitHits``, or None."""
     @property
     def request(self) -> tuple[int, int] | None:
@@ -887,7 +994,7 @@ class UnitModel:
         latency: int = 100,
         hit_ready: NDArray[np.bool_] | None = None,
         request_ready: NDArray[np.bool_] | None = None,
-    ) -> _Row:
+    ) -> _Run:
         """Many cycles at once: rays are offered in order, each until it is accepted, and a scene answers requests in
         order.
 
@@ -970,12 +1077,12 @@ class Rendering:
         """uint32 array of shape (height, width): the number of jobs of each pixel, with its secondary rays. Each access
         makes a new array."""
     @property
-    def rays(self) -> list[_Row]:
+    def rays(self) -> list[_Traced]:
         """A row for each kind of rays ("primary", "shadow", "occlusion") that were traced: ``kind``, ``rays``, ``hits``,
         the jobs ``quadbox``, ``triangle`` and ``behind`` (second jobs of triangles, for hits from behind), and the
         fetches ``nodes`` and ``leaves``."""
     @property
-    def timing(self) -> _Row | None:
+    def timing(self) -> _Timing | None:
         """The figures of the simulation (see ``raypath.render``), or None without ``timed``. An agent is a pixel."""
     def _repr_png_(self) -> bytes: ...
 
@@ -985,7 +1092,7 @@ class Trace:
 
     They have a length, iterate, and index: by a field's name, by a number for one, by a slice or an array for
     several. ``pandas.DataFrame(hits.array)`` has a column for each field of one number."""
-    def __new__(cls, array: NDArray[np.void], timing: _Row | None = None) -> Trace: ...
+    def __new__(cls, array: NDArray[np.void], timing: _Timing | None = None) -> Trace: ...
     @property
     def array(self) -> NDArray[np.void]:
         """The structured array of shape (n,), of which the other attributes are views."""
@@ -1005,7 +1112,7 @@ class Trace:
     def back_face(self) -> NDArray[np.bool_]:
         """bool array of shape (n,): whether the ray hits the triangle from behind."""
     @property
-    def timing(self) -> _Row | None:
+    def timing(self) -> _Timing | None:
         """The figures of the simulation (see ``raypath.render``), or None without ``timed``. An agent is a ray."""
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[np.void]: ...
@@ -1037,7 +1144,7 @@ class Search:
     def seconds(self) -> float:
         """The wall-clock time of the search in seconds."""
     @property
-    def timing(self) -> _Row | None:
+    def timing(self) -> _Timing | None:
         """The figures of the simulation (see ``raypath.render``), or None without ``timed``. An agent is a query."""
 
 def render(
@@ -1066,7 +1173,8 @@ def render(
 
     Args:
         scene: the mesh.
-        eye: the position of the camera; without it, the camera sees the whole mesh.
+        eye: the position of the camera; without it, the camera sees the whole mesh, and ``target``, ``up`` and ``fov``
+            count for nothing.
         target: the point at which the camera looks; the origin by default.
         up: the direction that is upwards in the picture.
         fov: the vertical field of view in degrees, more than 0 and less than 180.
