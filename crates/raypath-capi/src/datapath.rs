@@ -1,6 +1,6 @@
 //! Datapaths, rays, generation.
 
-use crate::memory::{array, reference, reference_mut, required_text, text};
+use crate::memory::{array, free, reference, reference_mut, required_text, text};
 use crate::status::{Failure, RAYPATH_OK, Status, status};
 use raypath_embed::{Datapath as Embedded, OperationId, Ray};
 use std::ffi::{CString, c_char};
@@ -87,10 +87,8 @@ pub unsafe extern "C" fn raypath_open_with(
 /// `datapath` is NULL or came from `raypath_open` and was not closed; no other call uses it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_close(datapath: *mut Datapath) {
-    if !datapath.is_null() {
-        // SAFETY: by the contract of this function.
-        drop(unsafe { Box::from_raw(datapath) });
-    }
+    // SAFETY: by the contract of this function.
+    unsafe { free(datapath) };
 }
 
 /// Sets `*ray` to the ray from `origin` along `direction` (three numbers each) with the length `extent` times that of

@@ -2,7 +2,7 @@
 
 use crate::Datapath;
 use crate::memory::{reference, reference_mut};
-use crate::status::{Failure, RAYPATH_OK, Status, status, value_or_zero};
+use crate::status::{Failure, RAYPATH_OK, Status, address_or_null, status, value_or_zero};
 use raypath_ops::PortKind;
 use raypath_rtl::{Registers, Units};
 use std::ffi::{CString, c_char};
@@ -66,13 +66,8 @@ pub struct Cost {
 /// `datapath` is NULL or an open datapath.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_description(datapath: *const Datapath) -> *const c_char {
-    let mut description = std::ptr::null();
-    status(|| {
-        // SAFETY: by the contract of this function.
-        description = unsafe { reference("datapath", datapath)? }.description.as_ptr();
-        Ok(RAYPATH_OK)
-    });
-    description
+    // SAFETY: by the contract of this function.
+    address_or_null(|| Ok(unsafe { reference("datapath", datapath)? }.description.as_ptr()))
 }
 
 /// A digest of the configuration and the added operations, 64 hexadecimal digits: equal for equal configurations of one
@@ -82,13 +77,8 @@ pub unsafe extern "C" fn raypath_description(datapath: *const Datapath) -> *cons
 /// `datapath` is NULL or an open datapath.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_digest(datapath: *const Datapath) -> *const c_char {
-    let mut digest = std::ptr::null();
-    status(|| {
-        // SAFETY: by the contract of this function.
-        digest = unsafe { reference("datapath", datapath)? }.digest.as_ptr();
-        Ok(RAYPATH_OK)
-    });
-    digest
+    // SAFETY: by the contract of this function.
+    address_or_null(|| Ok(unsafe { reference("datapath", datapath)? }.digest.as_ptr()))
 }
 
 /// Cycles from the acceptance of a job to its outcome in an empty pipeline; 0 after an error.

@@ -50,6 +50,25 @@ pub unsafe fn results<'p, T: Copy>(name: &str, pointer: *mut T, count: usize) ->
     Ok(if count == 0 { &mut [] } else { unsafe { slice::from_raw_parts_mut(pointer, count) } })
 }
 
+/// Copies bytes to a caller, if they fit, and returns their number.
+pub fn copied(from: &[u8], to: &mut [u8]) -> usize {
+    if let Some(to) = to.get_mut(..from.len()) {
+        to.copy_from_slice(from);
+    }
+    from.len()
+}
+
+/// Frees an object. NULL is ignored.
+///
+/// # Safety
+/// The pointer is NULL, or came from `Box::into_raw` and nothing else uses the object.
+pub unsafe fn free<T>(pointer: *mut T) {
+    if !pointer.is_null() {
+        // SAFETY: by the contract of this function.
+        drop(unsafe { Box::from_raw(pointer) });
+    }
+}
+
 /// An error if two arrays share a byte. Call it before references to them exist.
 pub fn separate<T, U>(a: (&str, *const T, usize), b: (&str, *const U, usize)) -> Result<(), Failure> {
     let (bytes_of_a, bytes_of_b) = (bytes(a)?, bytes(b)?);

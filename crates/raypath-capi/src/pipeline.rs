@@ -1,7 +1,7 @@
 //! The cycle-exact model.
 
 use crate::Datapath;
-use crate::memory::{array, reference, reference_mut, results};
+use crate::memory::{array, copied, free, reference, reference_mut, results};
 use crate::status::{Failure, RAYPATH_BUSY, RAYPATH_NO_RESULT, RAYPATH_OK, Status, status, value_or_zero};
 use raypath_embed::{
     self as embed, AngularResult, Beat, Bounds, EuclideanResult, QuadboxResult, Ray, Tagged, TriangleResult, Vertices,
@@ -169,10 +169,8 @@ pub unsafe extern "C" fn raypath_pipeline_new(datapath: *const Datapath, pipelin
 /// `pipeline` is NULL or came from `raypath_pipeline_new` and was not freed; no other call uses it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_pipeline_free(pipeline: *mut Pipeline) {
-    if !pipeline.is_null() {
-        // SAFETY: by the contract of this function.
-        drop(unsafe { Box::from_raw(pipeline) });
-    }
+    // SAFETY: by the contract of this function.
+    unsafe { free(pipeline) };
 }
 
 /// Offers a job with a tag, any number, in this cycle: `RAYPATH_OK` if it is accepted, `RAYPATH_BUSY` if not. At most
@@ -331,11 +329,7 @@ pub unsafe extern "C" fn raypath_pipeline_save(pipeline: *const Pipeline, bytes:
     value_or_zero(|| {
         // SAFETY: by the contract of this function.
         let (pipeline, bytes) = unsafe { (reference("pipeline", pipeline)?, results("bytes", bytes, capacity)?) };
-        let saved = pipeline.embedded.save();
-        if let Some(bytes) = bytes.get_mut(..saved.len()) {
-            bytes.copy_from_slice(&saved);
-        }
-        Ok(saved.len())
+        Ok(copied(&pipeline.embedded.save(), bytes))
     })
 }
 

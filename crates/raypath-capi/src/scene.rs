@@ -1,8 +1,8 @@
 //! Scenes of the traversal unit.
 
 use crate::Unit;
-use crate::memory::{array, reference, reference_mut};
-use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
+use crate::memory::{array, free, reference, reference_mut};
+use crate::status::{RAYPATH_OK, Status, address_or_null, status, value_or_zero};
 use raypath_embed::{SceneInput, UnitScene};
 
 /// A scene in memory, as a traversal unit reads it. It does not change, so any number of threads may use it at once,
@@ -64,10 +64,8 @@ pub unsafe extern "C" fn raypath_scene_build(
 /// `scene` is NULL or came from `raypath_scene_build` and was not freed; no other call uses it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_scene_free(scene: *mut Scene) {
-    if !scene.is_null() {
-        // SAFETY: by the contract of this function.
-        drop(unsafe { Box::from_raw(scene) });
-    }
+    // SAFETY: by the contract of this function.
+    unsafe { free(scene) };
 }
 
 /// The bytes of a scene, the first of which has the address 0; NULL after an error. They are valid while the scene is.
@@ -76,13 +74,8 @@ pub unsafe extern "C" fn raypath_scene_free(scene: *mut Scene) {
 /// `scene` is NULL or a scene.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_scene_data(scene: *const Scene) -> *const u8 {
-    let mut data = std::ptr::null();
-    status(|| {
-        // SAFETY: by the contract of this function.
-        data = unsafe { reference("scene", scene)? }.0.bytes.as_ptr();
-        Ok(RAYPATH_OK)
-    });
-    data
+    // SAFETY: by the contract of this function.
+    address_or_null(|| Ok(unsafe { reference("scene", scene)? }.0.bytes.as_ptr()))
 }
 
 /// The number of its bytes; 0 after an error.

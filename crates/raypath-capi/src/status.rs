@@ -118,6 +118,16 @@ pub(crate) fn value_or_zero<T: Default>(call: impl FnOnce() -> Result<T, Failure
     value
 }
 
+/// The address of the value of `call`, or NULL after an error.
+pub(crate) fn address_or_null<T>(call: impl FnOnce() -> Result<*const T, Failure>) -> *const T {
+    let mut address = std::ptr::null();
+    status(|| {
+        address = call()?;
+        Ok(RAYPATH_OK)
+    });
+    address
+}
+
 #[cold]
 fn failed(failure: Failure) -> Status {
     let (status, message) = *failure.0;

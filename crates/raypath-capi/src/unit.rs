@@ -1,7 +1,7 @@
 //! The traversal unit around a datapath: opening, arrays of rays, generation.
 
-use crate::memory::{array, reference, reference_mut, required_text, results, separate, text};
-use crate::status::{RAYPATH_OK, Status, status};
+use crate::memory::{array, free, reference, reference_mut, required_text, results, separate, text};
+use crate::status::{RAYPATH_OK, Status, address_or_null, status};
 use raypath_embed::{Unit as Embedded, UnitHit, UnitRay};
 use std::ffi::{CString, c_char};
 use std::path::Path;
@@ -80,10 +80,8 @@ pub unsafe extern "C" fn raypath_unit_open(toml: *const c_char, unit: *mut *mut 
 /// `unit` is NULL or came from `raypath_unit_open` and was not closed; no other call uses it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_unit_close(unit: *mut Unit) {
-    if !unit.is_null() {
-        // SAFETY: by the contract of this function.
-        drop(unsafe { Box::from_raw(unit) });
-    }
+    // SAFETY: by the contract of this function.
+    unsafe { free(unit) };
 }
 
 /// The parameters of the unit and of its datapath in words. Valid while the unit is open; NULL after an error.
@@ -92,13 +90,8 @@ pub unsafe extern "C" fn raypath_unit_close(unit: *mut Unit) {
 /// `unit` is NULL or an open unit.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_unit_description(unit: *const Unit) -> *const c_char {
-    let mut description = std::ptr::null();
-    status(|| {
-        // SAFETY: by the contract of this function.
-        description = unsafe { reference("unit", unit)? }.description.as_ptr();
-        Ok(RAYPATH_OK)
-    });
-    description
+    // SAFETY: by the contract of this function.
+    address_or_null(|| Ok(unsafe { reference("unit", unit)? }.description.as_ptr()))
 }
 
 /// A digest of the configuration of the unit and of its datapath, 64 hexadecimal digits: equal for equal configurations
@@ -108,13 +101,8 @@ pub unsafe extern "C" fn raypath_unit_description(unit: *const Unit) -> *const c
 /// `unit` is NULL or an open unit.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_unit_digest(unit: *const Unit) -> *const c_char {
-    let mut digest = std::ptr::null();
-    status(|| {
-        // SAFETY: by the contract of this function.
-        digest = unsafe { reference("unit", unit)? }.digest.as_ptr();
-        Ok(RAYPATH_OK)
-    });
-    digest
+    // SAFETY: by the contract of this function.
+    address_or_null(|| Ok(unsafe { reference("unit", unit)? }.digest.as_ptr()))
 }
 
 /// Sets `*values` to the parameters of the unit.

@@ -1,7 +1,7 @@
 //! The cycle-exact model of a traversal unit.
 
 use crate::Unit;
-use crate::memory::{array, reference, reference_mut, results};
+use crate::memory::{array, copied, free, reference, reference_mut, results};
 use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
 use raypath_embed::{self as embed, Response, UnitHit, UnitRay};
 
@@ -122,10 +122,8 @@ pub unsafe extern "C" fn raypath_unit_model_new(unit: *const Unit, model: *mut *
 /// `model` is NULL or came from `raypath_unit_model_new` and was not freed; no other call uses it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_unit_model_free(model: *mut UnitModel) {
-    if !model.is_null() {
-        // SAFETY: by the contract of this function.
-        drop(unsafe { Box::from_raw(model) });
-    }
+    // SAFETY: by the contract of this function.
+    unsafe { free(model) };
 }
 
 /// Sets `*outputs` to the outputs in this cycle. No cycle passes.
@@ -235,11 +233,7 @@ pub unsafe extern "C" fn raypath_unit_model_save(model: *const UnitModel, bytes:
     value_or_zero(|| {
         // SAFETY: by the contract of this function.
         let (model, bytes) = unsafe { (reference("model", model)?, results("bytes", bytes, capacity)?) };
-        let saved = model.embedded.save();
-        if let Some(bytes) = bytes.get_mut(..saved.len()) {
-            bytes.copy_from_slice(&saved);
-        }
-        Ok(saved.len())
+        Ok(copied(&model.embedded.save(), bytes))
     })
 }
 

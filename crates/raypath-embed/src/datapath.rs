@@ -4,7 +4,7 @@ use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
 use crate::state::owner;
 use crate::{Error, native};
 use raypath_float::Format;
-use raypath_model::{Shape, Short, WordModel};
+use raypath_model::{Shape, ShortFormat, WordModel};
 use raypath_ops::{JobKind, Port, Rounding, Rules};
 use raypath_oracle::added_operation;
 use raypath_rtl::{self as rtl, Config, Features, Lanes, Semantics, package};
@@ -292,7 +292,7 @@ impl Datapath {
         let semantics = self.config().semantics;
         let rounds_every_number =
             semantics.rounding == Rounding::Unit && !matches!(semantics.rules_in_full(), Rules::Bounds(_));
-        let is_short = || rounds_every_number && Short::lanes(semantics.format).is_some();
+        let is_short = || rounds_every_number && ShortFormat::lanes(semantics.format).is_some();
         let is_native = semantics.format == Format::BINARY32 || is_short();
         (is_native && !semantics.features.quantised_boxes).then_some(semantics)
     }

@@ -3,7 +3,7 @@
 use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices, canonical};
 use crate::transpose;
 use fearless_simd::{Level, Simd, dispatch};
-use raypath_model::{BLOCK, Batch, BlockValue, Packed, Short, baseline, blank, run_blocks, run_blocks_in};
+use raypath_model::{BLOCK, Batch, BlockValue, Packed, ShortFormat, baseline, blank, run_blocks, run_blocks_in};
 use raypath_ops::{
     self as ops, Aabb, AngularOutput, Beat, BeatInput, Binary32, Bit, EuclideanOutput, Flags, Num, RayBoxConservative,
     RayBoxInput, RayBoxOutput, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
@@ -16,7 +16,7 @@ const BLOCKS: usize = 4;
 
 /// Computes a job for each ray. All slices have as many jobs.
 pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], results: &mut [QuadboxResult]) {
-    let (level, short) = (Level::new(), Short::lanes(semantics.format));
+    let (level, short) = (Level::new(), ShortFormat::lanes(semantics.format));
     let batch = Batch::<2, 1>::new(semantics.rules_in_full()).short(short);
     let mut jobs = [blank::<RayBoxInput<Binary32>>(); BLOCKS];
     let mut answers = [blank::<RayBoxOutput<Binary32>>(); BLOCKS];
@@ -47,7 +47,7 @@ pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], result
 
 /// Computes a job for each ray. All slices have as many jobs. With the feature `range`, rays begin at a distance of 0.
 pub fn triangle(semantics: Semantics, rays: &[Ray], triangles: &[Vertices], results: &mut [TriangleResult]) {
-    let short = Short::lanes(semantics.format);
+    let short = ShortFormat::lanes(semantics.format);
     let Some(op) = semantics.extended_triangle() else {
         let batch = Batch::<2, 1>::new(semantics.rules_in_full()).rounding(semantics.rounding).short(short);
         return triangles_of(
@@ -116,7 +116,7 @@ fn triangles_of<I, O>(
 /// Computes the distance of each pair of vectors, with `N` dimensions per beat. `a` and `b` have `dimensions` numbers
 /// for each distance, and `dimensions` is at least 1.
 pub fn euclidean<const N: usize>(semantics: Semantics, a: &[f32], b: &[f32], dimensions: usize, distances: &mut [f32]) {
-    let short = Short::lanes(semantics.format);
+    let short = ShortFormat::lanes(semantics.format);
     let mut batch = Batch::<N, 1>::new(Rules::Paper).rounding(semantics.rounding).short(short);
     let mut answers = [blank::<EuclideanOutput<Binary32>>(); BLOCKS];
     for (pairs, distances) in pairs(a, b, dimensions).zip(distances.chunks_mut(BLOCK)) {
@@ -139,7 +139,7 @@ pub fn angular<const N: usize>(
     dots: &mut [f32],
     norms: &mut [f32],
 ) {
-    let short = Short::lanes(semantics.format);
+    let short = ShortFormat::lanes(semantics.format);
     let mut batch = Batch::<2, N>::new(Rules::Paper).rounding(semantics.rounding).short(short);
     let mut answers = [blank::<AngularOutput<Binary32>>(); BLOCKS];
     for ((pairs, dots), norms) in pairs(a, b, dimensions).zip(dots.chunks_mut(BLOCK)).zip(norms.chunks_mut(BLOCK)) {

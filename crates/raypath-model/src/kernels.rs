@@ -38,9 +38,7 @@ impl Kernels<Binary32> for SimdKernels {
         };
         // Not `map`, which the compiler does not inline here.
         let mut keys: [u64; 4] = array_of!(i => key(entries[i]));
-        for (i, j) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)] {
-            (keys[i], keys[j]) = (keys[i].min(keys[j]), keys[i].max(keys[j]));
-        }
+        sort_keys(&mut keys);
         array_of!(i => SortEntry {
             hit: Bit::new(c, keys[i] & 4 == 0),
             tmin: Num::new(c, Single(f32::from_bits((keys[i] >> 3) as u32))),
@@ -70,6 +68,14 @@ impl Kernels<Binary32> for SimdKernels {
             outputs[first..first + count].copy_from_slice(&four(map, &lanes, &shared, items, first)[..count]);
         }
         outputs
+    }
+}
+
+/// Sorts four keys, the least first.
+#[inline(always)]
+pub(crate) fn sort_keys(keys: &mut [u64; 4]) {
+    for (i, j) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)] {
+        (keys[i], keys[j]) = (keys[i].min(keys[j]), keys[i].max(keys[j]));
     }
 }
 

@@ -60,7 +60,7 @@ pub use lanes::{Four, Lanes, Native, Register, Width};
 pub use model::{Kind, Model};
 pub use one_ray::{FourBoxes, FourTriangles, NearestFirst, OneRay};
 pub use packed::{BLOCK, BlockSlice, BlockValue, Packed};
-pub use rounding::{Exact, LaneRounding, Short, ShortLanes};
+pub use rounding::{Exact, LaneRounding, ShortFormat, ShortLanes};
 pub use shape::{Control, Loop, PipelinePosition, Shape};
 pub use soft::{Soft, SoftNumber};
 pub use state::{State, StateWords, restore_state, saved_state};

@@ -1,6 +1,6 @@
 //! One ray against four boxes or four triangles, a lane each.
 
-use crate::kernels::{Baseline, FourLanes, HAS_SIMD, baseline};
+use crate::kernels::{Baseline, FourLanes, HAS_SIMD, baseline, sort_keys};
 use crate::lanes::{Lanes, Register};
 use crate::{SimdKernels, transposed};
 use fearless_simd::prelude::*;
@@ -58,9 +58,7 @@ impl FourBoxes {
             let key = u64::from(self.tmin[i].to_bits()) << 2 | i as u64;
             if self.hits >> i & 1 == 1 { key } else { u64::MAX }
         });
-        for (i, j) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)] {
-            (keys[i], keys[j]) = (keys[i].min(keys[j]), keys[i].max(keys[j]));
-        }
+        sort_keys(&mut keys);
         NearestFirst {
             count,
             index: array_of!(i => (keys[i] & 3) as u32),

@@ -19,7 +19,7 @@ pub struct Exact;
 
 /// Numbers are rounded to a short format.
 #[derive(Debug, Clone, Copy)]
-pub struct Short {
+pub struct ShortFormat {
     /// The bits that binary32 has and the format has not.
     dropped: u32,
     /// The least normal number.
@@ -28,9 +28,9 @@ pub struct Short {
 }
 
 /// Lanes that round to a short format, in the SIMD instructions that every machine of the architecture has.
-pub type ShortLanes = Lanes<Baseline, Native, Short>;
+pub type ShortLanes = Lanes<Baseline, Native, ShortFormat>;
 
-impl Short {
+impl ShortFormat {
     /// Lanes of a format whose sums and products are those of binary32, rounded once more. That is so if binary32 has
     /// twice as many bits and two more (Figueroa, "When is Double Rounding Innocuous?", 1995), and if it has all bits
     /// of the products that round to subnormal numbers: the format's least exponent less 3p - 1 is at least -149.
@@ -57,7 +57,7 @@ impl<S: Simd, W: Width<S>> LaneRounding<S, W> for Exact {
     }
 }
 
-impl<S: Simd, W: Width<S>> LaneRounding<S, W> for Short {
+impl<S: Simd, W: Width<S>> LaneRounding<S, W> for ShortFormat {
     #[inline(always)]
     fn round(self, simd: S, x: W::Nums) -> W::Nums {
         let word = |word: u32| W::Words::simd_from(simd, word);

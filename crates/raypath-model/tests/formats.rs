@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
-use raypath_model::{Binary64, Functional, ModelCircuit, Register, Short, Soft, SoftNumber};
+use raypath_model::{Binary64, Functional, ModelCircuit, Register, ShortFormat, Soft, SoftNumber};
 use raypath_ops::{
     Aabb, Binary32, BoxBits, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput,
     RayTriangleInput, Relation, Rules, Test, Triangle,
@@ -90,7 +90,7 @@ fn soft_binary32_is_binary32() {
 fn lanes_round_to_short_formats() {
     for (e, s) in [(4, 4), (5, 3), (3, 5), (5, 11), (8, 8), (7, 11), (8, 3)] {
         let format = Format::new(e, s).expect("a format");
-        let lanes = Short::lanes(format).expect("a short format");
+        let lanes = ShortFormat::lanes(format).expect("a short format");
         let soft = Soft { format };
         let codes = 1_u64 << (e + s);
         let number = |code: u64| Register(SimdFrom::simd_from(lanes.simd(), format.to_f64(code) as f32));
@@ -112,7 +112,7 @@ fn lanes_round_to_short_formats() {
         }
     }
     for format in [Format::BINARY32, Format::TF32] {
-        assert!(Short::lanes(format).is_none());
+        assert!(ShortFormat::lanes(format).is_none());
     }
 }
 

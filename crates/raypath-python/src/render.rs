@@ -117,9 +117,7 @@ impl PyScene {
     ) -> PyResult<Self> {
         let vertices = items::<[f32; 3]>(vertices, "vertices")?.to_vec();
         let faces = items::<[u32; 3]>(faces, "faces")?.to_vec();
-        if let Some(reach) = reach.filter(|reach| !(*reach >= 0.0 && reach.is_finite())) {
-            return Err(value_error(format!("reach: found {reach}, expected a finite number of at least 0")));
-        }
+        Scene::check_reach(reach).map_err(value_error)?;
         abandoned_at_signals(py, move || {
             let mesh = Mesh::new(vertices, faces).map_err(value_error)?;
             let scene = match reach {

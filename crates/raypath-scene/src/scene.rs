@@ -40,14 +40,18 @@ pub enum SceneError {
     Far(usize),
 }
 
+/// The error of a reach that is negative or not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error("reach: found {0}, expected a finite number of at least 0")]
+pub struct ReachError(f32);
+
 impl Scene {
     /// A scene for ray origins within 16 times the longest side of the mesh.
     ///
     /// # Errors
     /// More than [`Bvh4::MAX_TRIANGLES`] triangles.
     pub fn new(mesh: Mesh) -> Result<Self, MeshTooLarge> {
-        let bounds = mesh.bounds();
-        Self::with_reach(mesh, DEFAULT_REACH * bounds.longest_side())
+        Self::for_origins(mesh, [])
     }
 
     /// A scene for ray origins at `origins` or within 16 times the longest side of the mesh.
@@ -55,10 +59,19 @@ impl Scene {
     /// # Errors
     /// More than [`Bvh4::MAX_TRIANGLES`] triangles.
     pub fn for_origins(mesh: Mesh, origins: impl IntoIterator<Item = [f32; 3]>) -> Result<Self, MeshTooLarge> {
-        let bounds = mesh.bounds();
-        let near = DEFAULT_REACH * bounds.longest_side();
-        let reach = origins.into_iter().map(|origin| bounds.reach_from(origin)).fold(near, f32::max);
+        let reach = reach_of(mesh.bounds(), origins);
         Self::with_reach(mesh, reach)
+    }
+
+    /// A reach that a user gives.
+    ///
+    /// # Errors
+    /// It is negative or not finite.
+    pub fn check_reach(reach: Option<f32>) -> Result<(), ReachError> {
+        match reach.filter(|reach| !(*reach >= 0.0 && reach.is_finite())) {
+            Some(reach) => Err(ReachError(reach)),
+            None => Ok(()),
+        }
     }
 
     /// A scene for ray origins from which every point of the mesh is within `reach` along each axis. A smaller reach
@@ -84,9 +97,7 @@ impl Scene {
         placements: &[Placement],
         origins: impl IntoIterator<Item = [f32; 3]>,
     ) -> Result<Self, SceneError> {
-        let bounds = bounds_of_instances(mesh.bounds(), placements);
-        let near = DEFAULT_REACH * bounds.longest_side();
-        let reach = origins.into_iter().map(|origin| bounds.reach_from(origin)).fold(near, f32::max);
+        let reach = reach_of(bounds_of_instances(mesh.bounds(), placements), origins);
         Self::of_instances_with_reach(mesh, placements, reach)
     }
 
@@ -182,6 +193,12 @@ impl Scene {
     pub fn reaches(&self, origin: [f32; 3]) -> bool {
         self.bounds.reach_from(origin) <= self.reach()
     }
+}
+
+/// The reach of a scene with these bounds for ray origins at `origins` and near it.
+fn reach_of(bounds: Bounds, origins: impl IntoIterator<Item = [f32; 3]>) -> f32 {
+    let near = DEFAULT_REACH * bounds.longest_side();
+    origins.into_iter().map(|origin| bounds.reach_from(origin)).fold(near, f32::max)
 }
 
 /// The box around instances of a mesh with these bounds.

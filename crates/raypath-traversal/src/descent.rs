@@ -15,9 +15,9 @@ use crate::words::LEVELS;
 use raypath_model::{NearestFirst, OneRay};
 use raypath_ops::{Rules, array_of};
 
-/// What a ray leaves behind on its path, for the next ray to overwrite.
+/// The stack of a ray, and the places on its path: kept from ray to ray, so that nobody clears them.
 #[derive(Debug, Clone)]
-pub(crate) struct Path {
+pub(crate) struct Trail {
     /// By level, modulo the entries of the stack.
     stack: [Children; MAX_STACK],
     /// The place of the child through which the path descends, by level.
@@ -35,7 +35,7 @@ struct Children {
     tmin: [f32; 4],
 }
 
-impl Path {
+impl Trail {
     pub fn new() -> Self {
         let children = Children { next: 0, count: 0, child: [0; 4], tmin: [0.0; 4] };
         Self { stack: [children; MAX_STACK], places: [0; LEVELS as usize] }
@@ -97,13 +97,13 @@ struct Descent<'d, M: ?Sized> {
 }
 
 /// A node after its boxes were tested.
-struct Node4 {
+struct TestedNode {
     found: NearestFirst,
     children: [u32; 4],
 }
 
 /// What a child word refers to.
-enum Kind {
+enum Target {
     Node(u32),
     Instance(u32),
     Leaf(u32, u32),
@@ -116,7 +116,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     /// # Errors
     /// The status of a ray that ends otherwise than with a hit or a miss.
     #[inline(always)]
-    fn visit_all(&mut self, rules: Rules, Path { stack, places }: &mut Path) -> Result<(), u32> {
+    fn visit_all(&mut self, rules: Rules, Trail { stack, places }: &mut Trail) -> Result<(), u32> {
         let entries = self.parameters.stack;
         let slot = |level: u32| (level & (entries - 1)) as usize % MAX_STACK;
         let lowest_kept = |level: u32| (level + 1).saturating_sub(entries);
@@ -124,9 +124,9 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         let (mut pending, mut base, mut target, mut instance_level) = (0_u64, 0, None, 0);
         let (mut child, mut level) = (self.ray.root, 0_u32);
         loop {
-            match self.kind(child, level) {
-                Kind::Node(address) => {
-                    let Node4 { found, children } = self.node(rules, address)?;
+            match self.target_of(child, level) {
+                Target::Node(address) => {
+                    let TestedNode { found, children } = self.node(rules, address)?;
                     let mut place = 0;
                     let bit = 1 << level;
                     if let Some(level_to_take) = target {
@@ -156,19 +156,19 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                         continue;
                     }
                 }
-                Kind::Instance(address) => {
+                Target::Instance(address) => {
                     child = self.enter(address)?;
                     (places[level as usize], instance_level) = (0, level);
                     pending &= !(1 << level);
                     level += 1;
                     continue;
                 }
-                Kind::Leaf(address, count) => {
+                Target::Leaf(address, count) => {
                     if self.leaf(address, count)? {
                         return Ok(());
                     }
                 }
-                Kind::Invalid => return Err(status::ERROR),
+                Target::Invalid => return Err(status::ERROR),
             }
             // The next child of the deepest pending level, unless it is behind the hit.
             loop {
@@ -203,21 +203,21 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
 
     /// What a child word at this level refers to.
     #[inline(always)]
-    fn kind(&self, child: u32, level: u32) -> Kind {
+    fn target_of(&self, child: u32, level: u32) -> Target {
         let low = self.parameters.node.block_bytes() - 1;
         let may_enter = self.parameters.features.instances && !self.is_inside;
         let address = child & !low;
         match child & low {
-            NODE_KIND if level < LEVELS => Kind::Node(address),
-            count @ 1..=MAX_LEAF => Kind::Leaf(address, count),
-            INSTANCE_KIND if level < LEVELS && may_enter => Kind::Instance(address),
-            _ => Kind::Invalid,
+            NODE_KIND if level < LEVELS => Target::Node(address),
+            count @ 1..=MAX_LEAF => Target::Leaf(address, count),
+            INSTANCE_KIND if level < LEVELS && may_enter => Target::Instance(address),
+            _ => Target::Invalid,
         }
     }
 
     /// The children of a node that are hit.
     #[inline(always)]
-    fn node(&mut self, rules: Rules, address: u32) -> Result<Node4, u32> {
+    fn node(&mut self, rules: Rules, address: u32) -> Result<TestedNode, u32> {
         let block = self.fetch(address, 1, 0)?;
         let (found, children) = match self.parameters.node {
             NodeKind::Wide4 => {
@@ -231,7 +231,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                 (self.now.boxes(rules, array_of!(i => &boxes[i])), children)
             }
         };
-        Ok(Node4 { found: found.nearest_first(), children })
+        Ok(TestedNode { found: found.nearest_first(), children })
     }
 
     /// Tests the triangles of a leaf. Returns whether the ray ends with their hit.
@@ -240,7 +240,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         loop {
             let count = left.min(self.parameters.node.triangles_per_block());
             let block = self.fetch(address, 0, count)?;
-            self.test(block, count);
+            self.test_triangles(block, count);
             left -= count;
             let ends = self.ray.any_hit && self.best.is_some();
             if ends || left == 0 {
@@ -252,7 +252,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
 
     /// Tests the triangles of a block.
     #[inline(always)]
-    fn test(&mut self, block: &[u8], count: u32) {
+    fn test_triangles(&mut self, block: &[u8], count: u32) {
         let number = |i: usize, k: usize| word(block, VERTEX_WORDS * i.min(count as usize - 1) + k);
         let found = self.now.triangles(self.answers.triangles(), |i, k| f32::from_bits(number(i, k)));
         let RayRequest { t_min, cull_back, cull_front, .. } = *self.ray;

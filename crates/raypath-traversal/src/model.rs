@@ -1,7 +1,7 @@
 //! The functional model of the unit: a ray goes in, its hit comes out, without time.
 
 use crate::answers::{Answers, quotient};
-use crate::descent::Path;
+use crate::descent::Trail;
 use crate::state::{NO_INSTANCE, RayState, status};
 use crate::step::{StepParameters, UnitFeatures};
 use crate::walk::{AskedKind, Walk};
@@ -96,19 +96,19 @@ pub struct Unit {
     parameters: StepParameters,
     answers: Answers,
     walk: Walk,
-    path: Path,
+    trail: Trail,
 }
 
 impl Unit {
     /// A unit with these rules for special cases.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
         let answers = Answers::new(rules, parameters);
-        Self { parameters, walk: Walk::new(&answers), path: Path::new(), answers }
+        Self { parameters, walk: Walk::new(&answers), trail: Trail::new(), answers }
     }
 
     /// Traces a ray.
     pub fn trace(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
-        if let Some(reply) = self.path.trace(&self.answers, self.parameters, memory, ray) {
+        if let Some(reply) = self.trail.trace(&self.answers, self.parameters, memory, ray) {
             return reply;
         }
         self.trace_by_steps(memory, ray)

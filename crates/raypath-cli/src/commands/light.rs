@@ -1,8 +1,8 @@
 //! The commands that a build without the feature `full` lists, but does not have.
 
-use super::needs_full;
+use super::missing::{Ignored, needs_full};
 use crate::error::CliError;
-use clap::{Args, Subcommand};
+use clap::Subcommand;
 use std::io::Write;
 
 #[derive(Debug, Subcommand)]
@@ -32,17 +32,9 @@ pub enum Command {
     Verify(Ignored),
 }
 
-/// Any arguments. A build with the feature `full` parses them.
-#[derive(Debug, Args)]
-#[command(disable_help_flag = true)]
-pub struct Ignored {
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-    arguments: Vec<String>,
-}
-
 impl Command {
     pub fn run(self, _: &mut dyn Write) -> Result<(), CliError> {
-        let (name, Ignored { arguments }) = match self {
+        let (name, ignored) = match self {
             Self::Render(ignored) => ("render", ignored),
             Self::Scene(ignored) => ("scene", ignored),
             Self::Search(ignored) => ("search", ignored),
@@ -55,8 +47,7 @@ impl Command {
             Self::Bench(ignored) => ("bench", ignored),
             Self::Verify(ignored) => ("verify", ignored),
         };
-        let words: Vec<&str> = std::iter::once(name).chain(arguments.iter().map(String::as_str)).collect();
-        Err(CliError::Unusable(needs_full(&words.join(" "))))
+        Err(CliError::Unusable(needs_full(&ignored.after(name))))
     }
 }
 

@@ -13,6 +13,8 @@ mod unit;
 mod full;
 #[cfg(any(test, not(feature = "full")))]
 mod light;
+#[cfg(any(test, not(feature = "verify")))]
+mod missing;
 
 use crate::error::CliError;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -111,13 +113,4 @@ pub(crate) fn exit(command: impl FnOnce(&mut dyn Write) -> Result<(), CliError>)
             error.exit_code()
         }
     }
-}
-
-#[cfg(any(test, not(feature = "full")))]
-fn needs_full(command: &str) -> String {
-    format!(
-        "this build has no `{command}`, expected a build with the feature `full`\n\
-         help: run `cargo raypath {command}`, in a crate of your own `cargo run --release --features full -- \
-         {command}`, or install all commands with `cargo install --path crates/raypath --features full`"
-    )
 }

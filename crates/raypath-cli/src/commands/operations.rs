@@ -64,7 +64,7 @@ fn measured(cost: Cost, datapath: &Datapath, name: &str, arguments: &Arguments) 
 
 #[cfg(not(feature = "workbench"))]
 fn measured(_: Cost, _: &Datapath, _: &str, _: &Arguments) -> Result<Cost, CliError> {
-    Err(CliError::Unusable(super::needs_full("operations --area")))
+    Err(CliError::Unusable(super::missing::needs_full("operations --area")))
 }
 
 struct Entry {

@@ -2,7 +2,7 @@
 
 use super::Unit;
 use crate::Error;
-use raypath_scene::{Bounds, Mesh, Placement, Scene};
+use raypath_scene::{Bounds, Mesh, Placement, Scene, SceneError};
 
 /// A scene in memory, as a unit reads it.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,9 +41,7 @@ impl Unit {
         let SceneInput { vertices, triangles, instances, reach } = input;
         let parameters = self.parameters().step;
         let error = |problem: &dyn ToString| Error::Argument(problem.to_string());
-        if let Some(reach) = reach.filter(|reach| !(*reach >= 0.0 && reach.is_finite())) {
-            return Err(error(&format!("reach: found {reach}, expected a finite number of at least 0")));
-        }
+        Scene::check_reach(reach).map_err(|problem| error(&problem))?;
         if instances.is_some() && !parameters.features.instances {
             return Err(error(&"instances: the unit has none, expected a unit with instances"));
         }
@@ -52,15 +50,17 @@ impl Unit {
         };
         let places = instances.map(|matrices| matrices.iter().enumerate().map(placed).collect::<Result<Vec<_>, _>>());
         let mesh = Mesh::new(vertices, triangles).map_err(|problem| error(&problem))?;
-        let scene = match (places.transpose()?, reach) {
-            (None, None) => Scene::new(mesh).map_err(|problem| error(&problem)),
-            (None, Some(reach)) => Scene::with_reach(mesh, reach).map_err(|problem| error(&problem)),
-            (Some(places), None) => Scene::of_instances(mesh, &places, []).map_err(|problem| error(&problem)),
-            (Some(places), Some(reach)) => {
-                Scene::of_instances_with_reach(mesh, &places, reach).map_err(|problem| error(&problem))
-            }
+        let places = places.transpose()?;
+        let build = || -> Result<Scene, SceneError> {
+            let scene = match (places, reach) {
+                (None, None) => Scene::new(mesh)?,
+                (None, Some(reach)) => Scene::with_reach(mesh, reach)?,
+                (Some(places), None) => Scene::of_instances(mesh, &places, [])?,
+                (Some(places), Some(reach)) => Scene::of_instances_with_reach(mesh, &places, reach)?,
+            };
+            Ok(scene.through_unit_of(parameters.node)?)
         };
-        let scene = scene?.through_unit_of(parameters.node).map_err(|problem| error(&problem))?;
+        let scene = build().map_err(|problem| error(&problem))?;
         let (bytes, root) = scene.blocks().map_or((&[][..], 0), |blocks| (blocks.bytes(), blocks.root()));
         let Bounds { min, max } = scene.bounds();
         Ok(UnitScene { bytes: bytes.into(), root, bounds: [min, max], reach: scene.reach() })

@@ -1,8 +1,6 @@
-use super::traversal::Request;
 use super::{Counts, Goal, Hit, Stopped, TraceError, Tracing, Traversal, UnitErrors};
 use rayon::prelude::*;
-use raypath_model::SimdKernels;
-use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rounding, Rules};
+use raypath_ops::{Binary32, Ray};
 use raypath_scene::Scene;
 use raypath_scene::blocks::Blocks;
 use raypath_timing::{Progress, ProgressCounter};
@@ -79,7 +77,7 @@ pub struct Tracer<'s>(Way<'s>);
 
 #[derive(Debug, Clone)]
 enum Way<'s> {
-    Traversal { traversal: Traversal<'s>, rules: Rules },
+    Traversal(Traversal<'s>),
     Unit { unit: Box<Unit>, blocks: &'s Blocks, two_sided: bool, counts: Counts },
 }
 
@@ -94,7 +92,7 @@ impl<'s> Tracer<'s> {
                 let unit = Box::new(Unit::new(rules, step));
                 Way::Unit { unit, blocks, two_sided, counts: Counts::default() }
             }
-            None => Way::Traversal { traversal: Traversal::new(scene.bvh(), tracing), rules },
+            None => Way::Traversal(Traversal::new(scene.bvh(), tracing)),
         })
     }
 
@@ -103,11 +101,9 @@ impl<'s> Tracer<'s> {
     #[inline]
     pub fn trace(&mut self, ray: &Ray<Binary32>, goal: Goal) -> Option<Hit> {
         match &mut self.0 {
-            Way::Traversal { traversal, rules } => {
+            Way::Traversal(traversal) => {
                 traversal.start(*ray, goal);
-                if !traversal.run_at_once() {
-                    run(traversal, *rules);
-                }
+                traversal.run();
                 traversal.hit()
             }
             Way::Unit { unit, blocks, two_sided, counts } => {
@@ -125,7 +121,7 @@ impl<'s> Tracer<'s> {
     #[inline]
     pub fn counts(&self) -> Counts {
         match &self.0 {
-            Way::Traversal { traversal, .. } => traversal.counts(),
+            Way::Traversal(traversal) => traversal.counts(),
             Way::Unit { counts, .. } => *counts,
         }
     }
@@ -137,27 +133,5 @@ impl From<raypath_traversal::Hit> for Hit {
         let raypath_traversal::Hit { triangle, t, t_num, t_denom, back_face, instance, .. } = hit;
         let (t_num, t_denom) = if back_face { (-t_num, -t_denom) } else { (t_num, t_denom) };
         Self { triangle, from_behind: back_face, t_num, t_denom, t, instance }
-    }
-}
-
-#[inline]
-fn run(traversal: &mut Traversal, rules: Rules) {
-    loop {
-        match traversal.next_request() {
-            Request::Fetch => {}
-            Request::Boxes(boxes) => {
-                let input = RayBoxInput { ray: *traversal.ray(), aabb: *boxes };
-                let (output, ()) = RayBox { rules }.run_with(Binary32, SimdKernels, input, ());
-                traversal.finish_boxes(&output);
-            }
-            Request::Triangle(triangle) => {
-                let input = RayTriangleInput { ray: *traversal.ray(), triangle };
-                let (output, ()) =
-                    RayTriangle { rules, rounding: Rounding::Unit }.run_with(Binary32, SimdKernels, input, ());
-                traversal.finish_triangle(&output);
-            }
-            // No job is outstanding, so the traversal does not wait.
-            Request::Wait | Request::Done => return,
-        }
     }
 }

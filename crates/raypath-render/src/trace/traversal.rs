@@ -29,7 +29,7 @@ pub struct Traversal<'s> {
 
 /// The next action of a traversal, as an [`Action`] that borrows the operands of its job.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Request<'s> {
+enum Request<'s> {
     /// Fetch a node or a leaf.
     Fetch,
     /// Test these boxes with [`Traversal::ray`].
@@ -108,7 +108,7 @@ impl<'s> Traversal<'s> {
     }
 
     #[inline]
-    pub(super) fn next_request(&mut self) -> Request<'s> {
+    fn next_request(&mut self) -> Request<'s> {
         match self.state {
             State::Pop => self.pop(),
             State::Fetched(reference) => match reference.target() {
@@ -130,7 +130,7 @@ impl<'s> Traversal<'s> {
 
     /// Takes the output of [`Request::Boxes`].
     #[inline]
-    pub(super) fn finish_boxes(&mut self, output: &RayBoxOutput<Binary32>) {
+    fn finish_boxes(&mut self, output: &RayBoxOutput<Binary32>) {
         let State::Node(node) = self.state else { return };
         let children = &self.bvh.nodes()[node as usize].children;
         // The nearest child is pushed last, so that it is opened first.
@@ -145,7 +145,7 @@ impl<'s> Traversal<'s> {
 
     /// Takes the output of [`Request::Triangle`].
     #[inline]
-    pub(super) fn finish_triangle(&mut self, output: &RayTriangleOutput<Binary32>) {
+    fn finish_triangle(&mut self, output: &RayTriangleOutput<Binary32>) {
         let State::Leaf(leaf) = &mut self.state else { return };
         let job = leaf.awaited;
         leaf.awaited += self.tracing.job_stride();

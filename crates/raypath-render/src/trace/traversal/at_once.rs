@@ -1,30 +1,51 @@
-//! A traversal without time: its jobs run at once, in SIMD lanes, with the same hit and counts.
+//! A traversal without time: its jobs run at once, with the same hit and counts.
 
-use super::{StackEntry, State, Traversal};
+use super::{Request, StackEntry, State, Traversal};
 use crate::Goal;
-use raypath_model::OneRay;
-use raypath_ops::{Binary32, RayTriangle, Rounding, Rules, Triangle, Vec3, array_of};
+use raypath_model::{OneRay, SimdKernels};
+use raypath_ops::{
+    Binary32, Operation, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rounding, Rules, Triangle, Vec3, array_of,
+};
 use raypath_scene::bvh::Target;
 
 impl Traversal<'_> {
-    /// Runs a traversal that was started to its end. Returns false, without a change, on a machine without SIMD
-    /// instructions or with the rules `chisel`.
+    /// Runs a traversal that was started to its end.
     #[inline]
-    pub(in crate::trace) fn run_at_once(&mut self) -> bool {
-        let Some(ray) = OneRay::new(&self.ray) else { return false };
+    pub(in crate::trace) fn run(&mut self) {
         // A copy for each, in which the rules are constants.
-        match self.tracing.rules {
-            Rules::Paper => self.run_with(ray, Rules::Paper),
-            Rules::Bounds(bits) => self.run_with(ray, Rules::Bounds(bits)),
-            Rules::Chisel => return false,
+        match (OneRay::new(&self.ray), self.tracing.rules) {
+            (Some(ray), Rules::Paper) => self.run_in_lanes(ray, Rules::Paper),
+            (Some(ray), Rules::Bounds(bits)) => self.run_in_lanes(ray, Rules::Bounds(bits)),
+            // Without SIMD instructions, and with the rules of the original.
+            (_, rules) => self.run_job_by_job(rules),
         }
-        self.state = State::Done;
-        true
+    }
+
+    fn run_job_by_job(&mut self, rules: Rules) {
+        loop {
+            match self.next_request() {
+                Request::Fetch => {}
+                Request::Boxes(boxes) => {
+                    let input = RayBoxInput { ray: self.ray, aabb: *boxes };
+                    let (output, ()) = RayBox { rules }.run_with(Binary32, SimdKernels, input, ());
+                    self.finish_boxes(&output);
+                }
+                Request::Triangle(triangle) => {
+                    let input = RayTriangleInput { ray: self.ray, triangle };
+                    let op = RayTriangle { rules, rounding: Rounding::Unit };
+                    let (output, ()) = op.run_with(Binary32, SimdKernels, input, ());
+                    self.finish_triangle(&output);
+                }
+                // No job is outstanding, so the traversal does not wait.
+                Request::Wait | Request::Done => return,
+            }
+        }
     }
 
     #[inline(always)]
-    fn run_with(&mut self, mut ray: OneRay, rules: Rules) {
+    fn run_in_lanes(&mut self, mut ray: OneRay, rules: Rules) {
         let bvh = self.bvh;
+        self.state = State::Done;
         while let Some(StackEntry { reference, tmin }) = self.stack.pop() {
             let is_near = tmin <= f32::from(self.ray.extent);
             match reference.target() {
