@@ -165,7 +165,7 @@ where
     }
     #[inline(always)]
     fn multiply(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        self.round(a.0 * b.0)
+        Register(self.rounding.multiply(self.simd, a.0, b.0))
     }
     #[inline(always)]
     fn negate(self, a: Self::Num) -> Self::Num {
