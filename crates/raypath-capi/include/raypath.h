@@ -100,6 +100,26 @@
 #define RAYPATH_CULL_FRONT 2
 
 /**
+ * The phase of a ray whose constants are computed.
+ */
+#define RAYPATH_PHASE_SET_UP 0
+
+/**
+ * The phase of a ray that waits for a block of the memory.
+ */
+#define RAYPATH_PHASE_MEMORY 1
+
+/**
+ * The phase of a ray that waits for the jobs of a block, or for its next step.
+ */
+#define RAYPATH_PHASE_JOBS 2
+
+/**
+ * The phase of a ray that has ended and waits for the channel of hits.
+ */
+#define RAYPATH_PHASE_ENDED 3
+
+/**
  * A datapath: a configuration with its operations, models and hardware. It does not change, so any number of threads
  * may use it at once, until `raypath_close`.
  */
@@ -779,6 +799,28 @@ typedef struct {
    */
   uint64_t restarts;
 } raypath_unit_stalls;
+
+/**
+ * A ray in a context of a unit.
+ */
+typedef struct {
+  /**
+   * The id of the ray.
+   */
+  uint64_t id;
+  /**
+   * The number of the context, which is the tag of its requests.
+   */
+  uint32_t context;
+  /**
+   * One of `RAYPATH_PHASE_…`.
+   */
+  uint32_t phase;
+  /**
+   * The address of the block that it asked for last; 0 before.
+   */
+  uint32_t address;
+} raypath_ray_inside;
 
 /**
  * Success; `raypath_pipeline_offer`: the job is accepted; `raypath_pipeline_step`: a result left.
@@ -1461,6 +1503,16 @@ raypath_status raypath_unit_model_counts(const raypath_unit_model *model, raypat
  * That of `raypath_unit_model_outputs`; `stalls` is NULL or points to a structure.
  */
 raypath_status raypath_unit_model_stalls(const raypath_unit_model *model, raypath_unit_stalls *stalls);
+
+/**
+ * Sets the first `capacity` elements of `rays` to the rays in contexts, by context, and returns their number; 0 after
+ * an error. From cycle to cycle they are the timeline of the unit. A ray whose hit is at the outputs has left its
+ * context.
+ *
+ * # Safety
+ * `model` is NULL or a model that no other thread changes; `rays` is NULL or has `capacity` elements.
+ */
+size_t raypath_unit_model_rays(const raypath_unit_model *model, raypath_ray_inside *rays, size_t capacity);
 
 /**
  * Copies the whole state as bytes into `bytes`, if they fit into `capacity`, and returns their number; 0 after an

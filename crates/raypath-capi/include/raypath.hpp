@@ -36,6 +36,7 @@ using UnitInputs = raypath_unit_inputs;
 using UnitOutputs = raypath_unit_outputs;
 using UnitCounts = raypath_unit_counts;
 using UnitStalls = raypath_unit_stalls;
+using RayInside = raypath_ray_inside;
 
 /** Why a call failed: its status, below 0, and its message. */
 struct Error {
@@ -363,6 +364,13 @@ class UnitModel {
     UnitStalls counted{};
     raypath_unit_model_stalls(get(), &counted);
     return counted;
+  }
+
+  /** The rays in contexts and what they wait for, by context; see raypath_unit_model_rays. */
+  std::vector<RayInside> rays() const {
+    std::vector<RayInside> inside(raypath_unit_model_rays(get(), nullptr, 0));
+    raypath_unit_model_rays(get(), inside.data(), inside.size());
+    return inside;
   }
 
   void reset() noexcept { raypath_unit_model_reset(get()); }

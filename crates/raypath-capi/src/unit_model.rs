@@ -3,7 +3,7 @@
 use crate::Unit;
 use crate::memory::{array, copied, free, reference, reference_mut, results};
 use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
-use raypath_embed::{self as embed, Response, UnitHit, UnitRay};
+use raypath_embed::{self as embed, RayPhase, Response, UnitHit, UnitRay};
 
 /// The cycle-exact model of a traversal unit. One thread at a time may use it; another thread may use it later.
 ///
@@ -95,6 +95,29 @@ pub struct UnitStalls {
     pub job_stalls: u64,
     /// Descents that began again at the root, because the stack of a ray had lost a level.
     pub restarts: u64,
+}
+
+/// The phase of a ray whose constants are computed.
+pub const RAYPATH_PHASE_SET_UP: u32 = 0;
+/// The phase of a ray that waits for a block of the memory.
+pub const RAYPATH_PHASE_MEMORY: u32 = 1;
+/// The phase of a ray that waits for the jobs of a block, or for its next step.
+pub const RAYPATH_PHASE_JOBS: u32 = 2;
+/// The phase of a ray that has ended and waits for the channel of hits.
+pub const RAYPATH_PHASE_ENDED: u32 = 3;
+
+/// A ray in a context of a unit.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct RayInside {
+    /// The id of the ray.
+    pub id: u64,
+    /// The number of the context, which is the tag of its requests.
+    pub context: u32,
+    /// One of `RAYPATH_PHASE_…`.
+    pub phase: u32,
+    /// The address of the block that it asked for last; 0 before.
+    pub address: u32,
 }
 
 /// Makes a model of the unit after a reset, and sets `*model`. The unit may be closed before the model. Any thread may
@@ -220,6 +243,38 @@ pub unsafe extern "C" fn raypath_unit_model_stalls(model: *const UnitModel, stal
         *stalls = UnitStalls { rays_inside, ray_cycles, ray_stalls, hit_stalls, request_stalls, job_stalls, restarts };
         Ok(RAYPATH_OK)
     })
+}
+
+/// Sets the first `capacity` elements of `rays` to the rays in contexts, by context, and returns their number; 0 after
+/// an error. From cycle to cycle they are the timeline of the unit. A ray whose hit is at the outputs has left its
+/// context.
+///
+/// # Safety
+/// `model` is NULL or a model that no other thread changes; `rays` is NULL or has `capacity` elements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_rays(
+    model: *const UnitModel,
+    rays: *mut RayInside,
+    capacity: usize,
+) -> usize {
+    value_or_zero(|| {
+        // SAFETY: by the contract of this function.
+        let (model, rays) = unsafe { (reference("model", model)?, results("rays", rays, capacity)?) };
+        rays.iter_mut().zip(model.embedded.rays()).for_each(|(to, ray)| *to = ray.into());
+        Ok(model.embedded.rays().count())
+    })
+}
+
+impl From<embed::RayInside> for RayInside {
+    fn from(embed::RayInside { context, id, phase, address }: embed::RayInside) -> Self {
+        let phase = match phase {
+            RayPhase::SetUp => RAYPATH_PHASE_SET_UP,
+            RayPhase::Memory => RAYPATH_PHASE_MEMORY,
+            RayPhase::Jobs => RAYPATH_PHASE_JOBS,
+            RayPhase::Ended => RAYPATH_PHASE_ENDED,
+        };
+        Self { id, context, phase, address }
+    }
 }
 
 /// Copies the whole state as bytes into `bytes`, if they fit into `capacity`, and returns their number; 0 after an

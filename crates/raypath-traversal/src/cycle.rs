@@ -10,7 +10,8 @@ pub(crate) mod timing;
 
 use crate::engine::{UnitEngine, UnitInputs, UnitOutputs};
 use crate::hardware::{UnitNetlist, UnitParameters};
-use contexts::PortContexts;
+use crate::walk::{Asked, AskedKind};
+use contexts::{Contexts, PortContexts};
 use raypath_model::{Shape, state};
 pub use timing::UnitCounts;
 use timing::{Edge, Timing};
@@ -23,6 +24,32 @@ pub struct UnitModel {
 }
 
 state! { UnitModel { timing, contexts } }
+
+/// A ray in a context of a unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayInside {
+    /// The number of the context, which is the tag of its requests.
+    pub context: u32,
+    /// The number of the ray.
+    pub id: u64,
+    /// What it waits for.
+    pub phase: RayPhase,
+    /// The address of the block that it asked for last; 0 before.
+    pub address: u32,
+}
+
+/// What a ray in a context waits for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RayPhase {
+    /// The constants of the ray.
+    SetUp,
+    /// A block of the memory.
+    Memory,
+    /// The jobs of a block, or the next step.
+    Jobs,
+    /// The channel of hits: the ray has ended.
+    Ended,
+}
 
 impl UnitModel {
     /// The model of a unit after a reset, whose datapath has this shape.
@@ -38,6 +65,20 @@ impl UnitModel {
     /// What the unit did since its last reset.
     pub fn counts(&self) -> UnitCounts {
         self.timing.counts()
+    }
+
+    /// The rays in contexts, by context. A ray whose hit is at the outputs has left its context.
+    pub fn rays(&self) -> impl Iterator<Item = RayInside> + '_ {
+        self.timing.occupied().map(|context| {
+            let Asked { kind, address, .. } = self.contexts.asked(context);
+            let phase = match kind {
+                AskedKind::Begin => RayPhase::SetUp,
+                AskedKind::Block if self.timing.is_requesting(context) => RayPhase::Memory,
+                AskedKind::Block | AskedKind::Again => RayPhase::Jobs,
+                AskedKind::Nothing => RayPhase::Ended,
+            };
+            RayInside { context: context.into(), id: self.contexts.id(context), phase, address }
+        })
     }
 
     /// Advances up to `limit` cycles in which no ray is offered, no response arrives, and nothing is taken, if that

@@ -25,7 +25,7 @@ pub mod traffic;
 mod walk;
 mod words;
 
-pub use cycle::{UnitCounts, UnitModel};
+pub use cycle::{RayInside, RayPhase, UnitCounts, UnitModel};
 pub use engine::{BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, outputs_of, words_of};
 pub use error::UnitError;
 pub use fold::{HitLimits, fold};

@@ -179,7 +179,7 @@ static void run(raypath_unit_model *model, uint64_t latency, size_t size, bool s
   static const uint8_t nothing[BLOCK];
   const size_t width = 32; /* bytes of a beat of 256 bits */
   size_t first = 0, last = 0, done = 0, beat = 0, beats = 0;
-  uint64_t offered = 0, cycle = 0, inside = 0, waited = 0;
+  uint64_t offered = 0, cycle = 0, inside = 0, waited = 0, phases[4] = {0};
   memset(found, 0xee, RAYS * sizeof *found);
   while (done < RAYS) {
     raypath_unit_outputs outputs;
@@ -204,6 +204,19 @@ static void run(raypath_unit_model *model, uint64_t latency, size_t size, bool s
       cycle += skipped;
       inside += (offered - done) * skipped;
       continue;
+    }
+    /* The rays inside are in contexts or at the outputs. One whose block was requested waits for the memory. */
+    raypath_ray_inside in_contexts[256];
+    const size_t count = raypath_unit_model_rays(model, in_contexts, 256);
+    CHECK(count + outputs.hit_valid == offered - done);
+    for (size_t i = 0; i < count; i++) {
+      CHECK(in_contexts[i].id < offered && found[in_contexts[i].id].status == 0xeeeeeeeeu);
+      phases[in_contexts[i].phase]++;
+    }
+    for (size_t k = first; k < last; k++) {
+      size_t i = 0;
+      while (i < count && in_contexts[i].context != queue[k].tag) i++;
+      CHECK(i < count && in_contexts[i].phase == RAYPATH_PHASE_MEMORY && in_contexts[i].address == queue[k].address);
     }
     CHECK(raypath_unit_model_step(model, &inputs) == RAYPATH_OK);
     inside += offered - done;
@@ -231,6 +244,7 @@ static void run(raypath_unit_model *model, uint64_t latency, size_t size, bool s
   CHECK(raypath_unit_model_stalls(model, &stalls) == RAYPATH_OK);
   CHECK(stalls.rays_inside == 0 && stalls.ray_cycles == inside && stalls.hit_stalls == 0 && stalls.request_stalls == 0);
   CHECK(stalls.ray_stalls == waited);
+  for (int phase = 0; phase < 4; phase++) CHECK(phases[phase] > 0);
 }
 
 static void cycle_exact_model(const raypath_unit *unit) {

@@ -5,7 +5,9 @@ use super::layout::{UnitHit, UnitRay};
 use crate::Error;
 use crate::state::{restore, save};
 use raypath_model::state;
-use raypath_traversal::{self as unit, BlockRequest, Response, UnitCounts, UnitEngine, UnitParameters};
+use raypath_traversal::{
+    self as unit, BlockRequest, RayInside, RayPhase, Response, UnitCounts, UnitEngine, UnitParameters,
+};
 use std::sync::Arc;
 
 /// The cycle-exact model of a unit. In every cycle its outputs are those of the hardware.
@@ -138,6 +140,14 @@ impl UnitModel {
     /// Where rays, hits and requests waited since the last reset.
     pub fn stalls(&self) -> UnitStalls {
         self.stalls
+    }
+
+    /// The rays in contexts and what they wait for, by context: from cycle to cycle, the timeline of the unit.
+    pub fn rays(&self) -> impl Iterator<Item = RayInside> + '_ {
+        self.inner.rays().map(|ray| {
+            let is_awaited = self.awaited.get(ray.context as usize).is_some_and(|&beats| beats > 0);
+            if is_awaited { RayInside { phase: RayPhase::Memory, ..ray } } else { ray }
+        })
     }
 
     /// Counts cycles with these inputs.

@@ -83,6 +83,11 @@ impl PortContexts {
         is_last.then_some(tag)
     }
 
+    /// The number of the ray in a context.
+    pub fn id(&self, context: u8) -> u64 {
+        self.contexts[usize::from(context)].id
+    }
+
     /// No beats have arrived.
     pub fn reset(&mut self) {
         self.contexts.iter_mut().for_each(|context| context.beats = 0);

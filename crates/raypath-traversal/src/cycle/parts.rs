@@ -31,6 +31,11 @@ impl<T: Copy + Default, const N: usize> Ring<T, N> {
         self.items[self.left as usize % N]
     }
 
+    /// The items, oldest first.
+    pub fn items(&self) -> impl Iterator<Item = T> + '_ {
+        (0..self.entered.wrapping_sub(self.left)).map(|place| self.items[self.left.wrapping_add(place) as usize % N])
+    }
+
     /// Removes the oldest item if `leaves`. Returns it in any case.
     #[inline]
     pub fn pop_if(&mut self, leaves: bool) -> T {
@@ -128,6 +133,11 @@ impl<const N: usize> Queues<N> {
     #[inline]
     pub fn front(&self, queue: usize) -> Option<u8> {
         self.is_ready(queue).then(|| self.queues[queue].first())
+    }
+
+    /// Whether a queue has a word, also one that is not yet at the output.
+    pub fn has(&self, queue: usize, word: u8) -> bool {
+        self.queues[queue].items().any(|item| item == word)
     }
 
     /// Whether an edge changes nothing.

@@ -254,6 +254,16 @@ impl Timing {
         (self.busy <= 1) & self.has_context() && self.transformed().is_none()
     }
 
+    /// The contexts with a ray.
+    pub fn occupied(&self) -> impl Iterator<Item = u8> + '_ {
+        (0..self.fresh).map(|context| context as u8).filter(|context| !self.queues.has(FREE, *context))
+    }
+
+    /// Whether the block of a ray is not yet requested.
+    pub fn is_requesting(&self, context: u8) -> bool {
+        self.queues.has(REQUESTS, context)
+    }
+
     /// The ray that has the next turn of the set-up to enter an instance.
     #[inline]
     fn transformed(&self) -> Option<u8> {
