@@ -17,7 +17,7 @@ trap 'rm -rf "$folder"' EXIT
 
 python3 -m venv "$folder/build"
 "$folder/build/bin/pip" install --quiet 'maturin>=1.9,<2'
-"$folder/build/bin/maturin" build --profile wheel --features verify --locked --quiet --out "$folder/wheels"
+"$folder/build/bin/maturin" build --release --features verify --locked --quiet --out "$folder/wheels"
 
 library=libraypath-$version-$target
 scripts/install-libraypath.sh "$folder/$library" >/dev/null

@@ -2,8 +2,9 @@
 
 use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices, canonical};
 use crate::transpose;
-use fearless_simd::{Level, Simd, dispatch};
-use raypath_model::{BLOCK, Batch, BlockValue, Packed, ShortFormat, baseline, blank, run_blocks, run_blocks_in};
+use raypath_model::{
+    BLOCK, Batch, BlockValue, Level, Packed, ShortFormat, baseline, blank, dispatch, run_blocks, run_blocks_in,
+};
 use raypath_ops::{
     self as ops, Aabb, AngularOutput, Beat, BeatInput, Binary32, Bit, EuclideanOutput, Flags, Num, RayBoxConservative,
     RayBoxInput, RayBoxOutput, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
@@ -24,12 +25,12 @@ pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], result
         let results = &mut results[first..];
         let used = results.len().div_ceil(BLOCK).min(BLOCKS);
         let last = first + results.len() - 1;
-        dispatch!(level, simd => for (block, job) in jobs[..used].iter_mut().enumerate() {
+        for (block, job) in jobs[..used].iter_mut().enumerate() {
             let at = |i: usize| (first + block * BLOCK + i).min(last);
-            let ray = packed_ray(simd, |i| &rays[at(i)]);
-            let bounds = transpose::fields(simd, |i| numbers_of_boxes(&boxes[at(i)]));
+            let ray = packed_ray(|i| &rays[at(i)]);
+            let bounds = transpose::fields(|i| numbers_of_boxes(&boxes[at(i)]));
             *job = RayBoxInput { ray, aabb: array_of!(k => packed_box(&bounds, 6 * k)) };
-        });
+        }
         if semantics.features.conservative {
             let (jobs, answers) = (&jobs[..used], &mut answers[..used]);
             match short {
@@ -87,18 +88,17 @@ fn triangles_of<I, O>(
     run: impl Fn(&[I], &mut [O]),
     parts: impl Fn(&O) -> (Num<Packed>, Num<Packed>, Bit<Packed>),
 ) {
-    let level = Level::new();
     for first in (0..results.len()).step_by(BLOCKS * BLOCK) {
         let results = &mut results[first..];
         let used = results.len().div_ceil(BLOCK).min(BLOCKS);
         let last = first + results.len() - 1;
-        dispatch!(level, simd => for (block, packed) in jobs[..used].iter_mut().enumerate() {
+        for (block, packed) in jobs[..used].iter_mut().enumerate() {
             let at = |i: usize| (first + block * BLOCK + i).min(last);
-            let ray = packed_ray(simd, |i| &rays[at(i)]);
-            let fields = transpose::fields(simd, |i| numbers_of_vertices(&triangles[at(i)]));
+            let ray = packed_ray(|i| &rays[at(i)]);
+            let fields = transpose::fields(|i| numbers_of_vertices(&triangles[at(i)]));
             let vertex = |k: usize| packed_vector(&fields, 3 * k);
             *packed = job(ray, ops::Triangle { a: vertex(0), b: vertex(1), c: vertex(2) });
-        });
+        }
         run(&jobs[..used], &mut answers[..used]);
         for (results, answer) in results.chunks_mut(BLOCK).zip(&answers[..used]) {
             let (t_num, t_denom, hit) = parts(answer);
@@ -163,28 +163,27 @@ fn pairs<'v>(a: &'v [f32], b: &'v [f32], dimensions: usize) -> impl Iterator<Ite
 /// Passes the beats of the pairs to `run`, in order, at most [`BLOCKS`] at once. The last has `reset_accum` set. A
 /// block with fewer pairs repeats the last.
 fn beats<const N: usize>((a, b): Pairs<'_>, dimensions: usize, mut run: impl FnMut(&[BeatInput<Packed, N>])) {
-    let level = Level::new();
     let last = a.len() / dimensions - 1;
     let count = dimensions.div_ceil(N);
     let mut block = [blank::<BeatInput<Binary32, N>>(); BLOCKS];
     for first in (0..count).step_by(BLOCKS) {
         let used = (count - first).min(BLOCKS);
-        dispatch!(level, simd => for (i, beat) in block[..used].iter_mut().enumerate() {
+        for (i, beat) in block[..used].iter_mut().enumerate() {
             let begin = (first + i) * N;
             let lanes = (dimensions - begin).min(N);
             beat.euclidean = Beat {
-                a: packed_rows(simd, |row| &a[row.min(last) * dimensions + begin..][..lanes]),
-                b: packed_rows(simd, |row| &b[row.min(last) * dimensions + begin..][..lanes]),
+                a: packed_rows(|row| &a[row.min(last) * dimensions + begin..][..lanes]),
+                b: packed_rows(|row| &b[row.min(last) * dimensions + begin..][..lanes]),
                 mask: Flags(array_of!(lane => bit(lane < lanes))),
                 reset_accum: bit(first + i == count - 1),
             };
-        });
+        }
         run(&block[..used]);
     }
 }
 
 #[inline(always)]
-fn packed_rows<'v, S: Simd, const N: usize>(simd: S, row: impl Fn(usize) -> &'v [f32]) -> [Num<Packed>; N] {
+fn packed_rows<'v, const N: usize>(row: impl Fn(usize) -> &'v [f32]) -> [Num<Packed>; N] {
     let numbers = |i: usize| {
         let row = row(i);
         row.try_into().unwrap_or_else(|_| {
@@ -193,13 +192,13 @@ fn packed_rows<'v, S: Simd, const N: usize>(simd: S, row: impl Fn(usize) -> &'v 
             padded
         })
     };
-    let fields: [BlockValue<f32>; N] = transpose::fields(simd, numbers);
+    let fields: [BlockValue<f32>; N] = transpose::fields(numbers);
     array_of!(lane => num(fields[lane]))
 }
 
 #[inline(always)]
-fn packed_ray<'r, S: Simd>(simd: S, ray: impl Fn(usize) -> &'r Ray) -> ops::Ray<Packed> {
-    let fields = transpose::fields(simd, |i| numbers_of_ray(ray(i)));
+fn packed_ray<'r>(ray: impl Fn(usize) -> &'r Ray) -> ops::Ray<Packed> {
+    let fields = transpose::fields(|i| numbers_of_ray(ray(i)));
     let word = |k: usize| Word::new(Packed, BlockValue(fields[k].0.map(|bits| bits.to_bits() & 3)));
     ops::Ray {
         origin: packed_vector(&fields, 0),

@@ -1,12 +1,14 @@
 //! From sixteen records of numbers to blocks of sixteen equal fields.
 
+use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4};
-use raypath_model::{BLOCK, BlockValue, transposed};
+use raypath_model::{BLOCK, BlockValue, baseline, transposed};
 
-/// Field k of sixteen records, for each k. Bit patterns are kept. Call it inside [`fearless_simd::dispatch`].
+/// Field k of sixteen records, for each k. Bit patterns are kept.
 #[inline(always)]
-pub fn fields<S: Simd, const K: usize>(simd: S, record: impl Fn(usize) -> [f32; K]) -> [BlockValue<f32>; K] {
+pub fn fields<const K: usize>(record: impl Fn(usize) -> [f32; K]) -> [BlockValue<f32>; K] {
+    // Wider registers gain nothing.
+    let simd = baseline();
     let mut fields = [BlockValue([0.0; BLOCK]); K];
     for first in (0..BLOCK).step_by(4) {
         let records: [[f32; K]; 4] = [record(first), record(first + 1), record(first + 2), record(first + 3)];

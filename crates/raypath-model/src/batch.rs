@@ -2,8 +2,8 @@
 
 use crate::kernels::baseline;
 use crate::rounding::ShortLanes;
-use crate::{BLOCK, BlockSlice, BlockValue, LaneRounding, Lanes, Native, Packed, SimdKernels};
-use fearless_simd::{Level, Simd, dispatch};
+use crate::{BLOCK, BlockSlice, BlockValue, LaneRounding, Lanes, Native, Packed, SimdKernels, dispatch};
+use fearless_simd::{Level, Simd};
 use raypath_ops::{
     Angular, AngularOutput, AngularState, BeatInput, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanOutput,
     EuclideanState, Family, Field, Num, Of, Operation, Path, RayBox, RayBoxInput, RayBoxOutput, RayTriangle,
@@ -32,12 +32,17 @@ use raypath_ops::{
 /// ```
 #[derive(Debug, Clone)]
 pub struct Batch<const E: usize = 16, const A: usize = 8> {
+    settings: Settings,
+    euclidean: EuclideanState<Packed>,
+    angular: AngularState<Packed>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Settings {
     rules: Rules,
     rounding: Rounding,
     level: Level,
     short: Option<ShortLanes>,
-    euclidean: EuclideanState<Packed>,
-    angular: AngularState<Packed>,
 }
 
 impl<const E: usize, const A: usize> Batch<E, A> {
@@ -49,64 +54,48 @@ impl<const E: usize, const A: usize> Batch<E, A> {
     /// As [`new`](Self::new), with the instruction set `level`.
     pub fn at(level: Level, rules: Rules) -> Self {
         let (euclidean, angular) = (EuclideanState::zero(Packed), AngularState::zero(Packed));
-        Self { rules, rounding: Rounding::Unit, level, short: None, euclidean, angular }
+        Self { settings: Settings { rules, rounding: Rounding::Unit, level, short: None }, euclidean, angular }
     }
 
     /// The same models with another rounding of sums; [`Rounding::Unit`] by default.
     pub fn rounding(self, rounding: Rounding) -> Self {
-        Self { rounding, ..self }
+        Self { settings: Settings { rounding, ..self.settings }, ..self }
     }
 
     /// The same models in a short format, for the rules `paper` and `chisel`; sums round after every addition.
     pub fn short(self, short: Option<ShortLanes>) -> Self {
-        Self { short, ..self }
+        Self { settings: Settings { short, ..self.settings }, ..self }
     }
 
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn quadbox(&self, jobs: &[RayBoxInput<Packed>], answers: &mut [RayBoxOutput<Packed>]) {
-        // A call for each, so that the rules are constants in each.
-        match (self.short, self.rules) {
-            (Some(lanes), rules) => run_blocks_in(lanes, &RayBox { rules }, jobs, answers, &mut ()),
-            (None, Rules::Paper) => {
-                let op = RayBox { rules: Rules::Paper };
-                dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
-            }
-            // For comparisons with the original, which need no wide registers.
-            (None, Rules::Chisel) => {
-                run_blocks(baseline(), &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ());
-            }
-            (None, Rules::Bounds(bits)) => {
-                let op = RayBox { rules: Rules::Bounds(bits) };
-                dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
-            }
-        }
+        quadbox(self.settings, jobs, answers);
     }
 
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn triangle(&self, jobs: &[RayTriangleInput<Packed>], answers: &mut [RayTriangleOutput<Packed>]) {
-        let op = |rounding| RayTriangle { rules: self.rules, rounding };
-        by_rounding!(self, op, jobs, answers, &mut ());
+        triangle(self.settings, jobs, answers);
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
     pub fn euclidean(&mut self, beats: &[BeatInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
-        by_rounding!(self, |rounding| Euclidean::<E> { rounding }, beats, answers, &mut self.euclidean);
+        by_rounding!(self.settings, |rounding| Euclidean::<E> { rounding }, beats, answers, &mut self.euclidean);
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
     pub fn angular(&mut self, beats: &[BeatInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
-        by_rounding!(self, |rounding| Angular::<A> { rounding }, beats, answers, &mut self.angular);
+        by_rounding!(self.settings, |rounding| Angular::<A> { rounding }, beats, answers, &mut self.angular);
     }
 }
 
 /// Runs an operation, with a call for each rounding, so that it is a constant in each. Sums that round once are
 /// integers in each lane, which wide registers do not make faster.
 macro_rules! by_rounding {
-    ($batch:ident, $op:expr, $jobs:expr, $answers:expr, $state:expr) => {{
-        let (level, op) = ($batch.level, $op);
-        match ($batch.short, $batch.rounding) {
+    ($settings:expr, $op:expr, $jobs:expr, $answers:expr, $state:expr) => {{
+        let (Settings { rounding, level, short, .. }, op) = ($settings, $op);
+        match (short, rounding) {
             (Some(lanes), _) => run_blocks_in(lanes, &op(Rounding::Unit), $jobs, $answers, $state),
             (None, Rounding::Unit) => {
                 dispatch!(level, simd => run_blocks(simd, &op(Rounding::Unit), $jobs, $answers, $state));
@@ -116,6 +105,34 @@ macro_rules! by_rounding {
     }};
 }
 use by_rounding;
+
+/// Boxes, with a call for each of the rules, so that they are constants in each. Not generic, so that other crates do not
+/// compile it once more.
+fn quadbox(settings: Settings, jobs: &[RayBoxInput<Packed>], answers: &mut [RayBoxOutput<Packed>]) {
+    let Settings { rules, level, short, .. } = settings;
+    match (short, rules) {
+        (Some(lanes), Rules::Chisel) => run_blocks_in(lanes, &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ()),
+        (Some(lanes), _) => run_blocks_in(lanes, &RayBox { rules: Rules::Paper }, jobs, answers, &mut ()),
+        (None, Rules::Paper) => {
+            let op = RayBox { rules: Rules::Paper };
+            dispatch!(level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
+        }
+        // For comparisons with the original, which need no wide registers.
+        (None, Rules::Chisel) => {
+            run_blocks(baseline(), &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ());
+        }
+        (None, Rules::Bounds(bits)) => {
+            let op = RayBox { rules: Rules::Bounds(bits) };
+            dispatch!(level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
+        }
+    }
+}
+
+/// Triangles; see [`quadbox`].
+fn triangle(settings: Settings, jobs: &[RayTriangleInput<Packed>], answers: &mut [RayTriangleOutput<Packed>]) {
+    let op = |rounding| RayTriangle { rules: settings.rules, rounding };
+    by_rounding!(settings, op, jobs, answers, &mut ());
+}
 
 /// The instruction sets with which this machine can run a [`Batch`], the widest first.
 pub fn levels() -> Vec<Level> {
@@ -159,7 +176,7 @@ impl Source<Packed> for Zeros {
 }
 
 /// Runs an operation on blocks of jobs into `answers`; stops at the end of the shorter slice. Each lane has its own
-/// state. Call it inside [`fearless_simd::dispatch`].
+/// state. Call it inside [`dispatch`].
 #[inline(always)]
 pub fn run_blocks<S: Simd, O: Operation>(
     simd: S,

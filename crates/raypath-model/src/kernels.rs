@@ -157,6 +157,34 @@ pub fn baseline() -> Baseline {
     simd
 }
 
+/// Evaluates an expression over the widest registers of the level: AVX-512, AVX2, or those that every machine has. As
+/// `fearless_simd::dispatch!`, whose copy for SSE4.2 takes as long to compile as the others, for machines of before 2013.
+#[cfg(target_arch = "x86_64")]
+#[macro_export]
+macro_rules! dispatch {
+    (@with $token:expr, $simd:pat => $op:expr) => {{
+        let token = $token;
+        $crate::Simd::vectorize(
+            token,
+            #[inline(always)]
+            || {
+                let $simd = token;
+                $op
+            },
+        )
+    }};
+    ($level:expr, $simd:pat => $op:expr) => {{
+        let level: $crate::Level = $level;
+        if let Some(token) = level.as_avx512() {
+            $crate::dispatch!(@with token, $simd => $op)
+        } else if let Some(token) = level.as_avx2() {
+            $crate::dispatch!(@with token, $simd => $op)
+        } else {
+            $crate::dispatch!(@with $crate::baseline(), $simd => $op)
+        }
+    }};
+}
+
 /// Whether lanes are faster than one number after another.
 pub(crate) const HAS_SIMD: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
 

@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 ///
 /// `S` is the instruction set, and a value of it proves that the machine has it. `W` is the number of lanes in a
 /// register, `R` the format to which results are rounded. Code over this circuit must be inlined into a function that
-/// is compiled for the instruction set: call it inside [`Simd::vectorize`] or [`fearless_simd::dispatch`].
+/// is compiled for the instruction set: call it inside [`Simd::vectorize`] or [`dispatch`](crate::dispatch).
 #[derive(Clone, Copy)]
 pub struct Lanes<S, W = Native, R = Exact> {
     simd: S,

@@ -52,7 +52,9 @@ pub use binary64::{Binary64, Double};
 pub use cycle::CycleModel;
 pub use dynamic::Dynamic;
 pub use elastic::{Elastic, Transfer};
-pub use fearless_simd::Level;
+#[cfg(not(target_arch = "x86_64"))]
+pub use fearless_simd::dispatch;
+pub use fearless_simd::{Level, Simd};
 pub use flow::Flow;
 pub use functional::Functional;
 pub use kernels::{Baseline, ModelCircuit, SimdKernels, baseline};

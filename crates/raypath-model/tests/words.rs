@@ -1,8 +1,7 @@
 //! The conversion of words to numbers in every circuit.
 
-use fearless_simd::{Simd, dispatch};
 use raypath_float::Format;
-use raypath_model::{BLOCK, Binary64, BlockSlice, BlockValue, Lanes, Packed, Soft, levels};
+use raypath_model::{BLOCK, Binary64, BlockSlice, BlockValue, Lanes, Packed, Simd, Soft, dispatch, levels};
 use raypath_ops::{Binary32, Circuit, Gather, Num, Put, Word};
 
 #[test]

@@ -14,21 +14,24 @@ macro_rules! array_of {
 #[inline(always)]
 pub fn array_from<T: Copy, const N: usize>(make: impl Fn(usize) -> T) -> [T; N] {
     let mut elements = [make(0); N];
-    // Short arrays without a loop, because the compiler would keep the operands in memory.
-    if N <= 4 {
-        if N > 1 {
+    // Short arrays without a loop, because the compiler would keep the operands in memory. The conditions are constants,
+    // so that no code is generated for the others.
+    if const { N <= 4 } {
+        if const { N > 1 } {
             elements[1] = make(1);
         }
-        if N > 2 {
+        if const { N > 2 } {
             elements[2] = make(2);
         }
-        if N > 3 {
+        if const { N > 3 } {
             elements[3] = make(3);
         }
-        return elements;
-    }
-    for (i, element) in elements.iter_mut().enumerate().skip(1) {
-        *element = make(i);
+    } else {
+        let mut i = 1;
+        while i < N {
+            elements[i] = make(i);
+            i += 1;
+        }
     }
     elements
 }

@@ -1,7 +1,6 @@
 //! The exact oracle: outcomes known by hand, and each deliberate mistake shows.
 
-use fearless_simd::dispatch;
-use raypath_model::{Model, blank, levels, pack, run_blocks, unpack};
+use raypath_model::{Model, blank, dispatch, levels, pack, run_blocks, unpack};
 use raypath_ops::operations::key_compare::{KeyCompare, KeyCompareInput, KeyCompareOutput};
 use raypath_ops::operations::octbox::{Octbox, OctboxInput, OctboxOutput};
 use raypath_ops::operations::point_in_box::{PointInBox, PointInBoxInput, PointInBoxOutput};

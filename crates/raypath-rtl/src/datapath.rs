@@ -1,5 +1,5 @@
 use crate::allocate::plan::{Plan, StepPlan};
-use crate::config::{Config, Microarchitecture, Semantics};
+use crate::config::{Config, Microarchitecture};
 use crate::emit::boundary::label;
 use crate::emit::library::Library;
 use crate::emit::properties::Properties;
@@ -67,12 +67,7 @@ impl DatapathNetlist {
     /// # Errors
     /// Features that cannot be combined ([`Config::check`]).
     pub fn new(config: Config) -> Result<Self, Error> {
-        config.check()?;
-        let Semantics { format, rounding, features, .. } = config.semantics;
-        let mut operations = Operations::new().format(format).rounding(rounding).tag(features.tag);
-        operations = operations.exception_flags(features.exception_flags);
-        config.semantics.operations(&mut operations)?;
-        Self::build(operations, config.microarchitecture)
+        Self::build(Operations::of(config)?, config.microarchitecture)
     }
 
     /// Elaborates any set of operations with the default microarchitecture.

@@ -1,6 +1,6 @@
 //! The set of operations that a datapath is built from.
 
-use crate::config::{Config, Encoding, Features, Microarchitecture, OperationVisitor};
+use crate::config::{Config, Encoding, Features, Microarchitecture, OperationVisitor, Semantics};
 use crate::error::Error;
 use crate::ir::graph::{MAX_OPERATIONS, Op, OperationGraph};
 use crate::ir::position::{SHORT_STAGES, STAGES, Stage};
@@ -84,6 +84,19 @@ impl Operations {
             rounding: Rounding::Unit,
             ports: Vec::new(),
         }
+    }
+
+    /// The operations of a configuration. A crate that calls this compiles none of them once more.
+    ///
+    /// # Errors
+    /// Features that cannot be combined ([`Config::check`]).
+    pub fn of(config: Config) -> Result<Self, Error> {
+        config.check()?;
+        let Semantics { format, rounding, features, .. } = config.semantics;
+        let mut operations = Self::new().format(format).rounding(rounding).tag(features.tag);
+        operations = operations.exception_flags(features.exception_flags);
+        config.semantics.operations(&mut operations)?;
+        Ok(operations)
     }
 
     /// Adds an operation under an opcode of its own, below [`MAX_OPERATIONS`]. The opcode port is as wide as the

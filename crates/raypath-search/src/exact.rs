@@ -4,9 +4,8 @@ use crate::results::{Candidate, Nearest};
 use crate::{
     LaneCount, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance,
 };
-use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
-use raypath_model::BLOCK;
+use raypath_model::{BLOCK, Level, Simd, dispatch};
 use raypath_ops::{Angular, AngularState, Euclidean, EuclideanState, Rounding, array_of};
 use raypath_timing::{Progress, ProgressCounter};
 use std::time::Instant;

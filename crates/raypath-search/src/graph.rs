@@ -4,11 +4,11 @@ use crate::{
     LaneCount, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance,
     kernel,
 };
-use fearless_simd::{Level, dispatch};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
+use raypath_model::{Level, dispatch};
 use raypath_timing::{Progress, ProgressCounter};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -260,7 +260,7 @@ impl<'v> Distances<'v> {
     }
 
     /// The squared Euclidean or the cosine distance in binary32; neither NaN nor negative. Call it inside
-    /// [`fearless_simd::dispatch`].
+    /// [`dispatch`].
     #[inline(always)]
     fn eval(&self, query: &[f32], query_norm: f32, index: u32) -> f32 {
         let ((candidate, norm), lanes) = (self.vector(index), self.lanes);

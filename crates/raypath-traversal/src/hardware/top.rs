@@ -99,13 +99,11 @@ pub fn fixed_parameters() -> impl Iterator<Item = &'static Parameter> {
 
 /// The datapath of this configuration; with instances, it has the operation that transforms rays too.
 fn datapath(config: Config, parameters: UnitParameters) -> Result<DatapathNetlist, UnitError> {
-    if !parameters.step.features.instances {
-        return Ok(DatapathNetlist::new(config)?);
+    let mut operations = Operations::of(config)?;
+    if parameters.step.features.instances {
+        operations = operations.with(&Transform, TRANSFORM_OPCODE)?;
     }
-    config.check()?;
-    let mut operations = Operations::new().tag(config.semantics.features.tag);
-    config.semantics.operations(&mut operations)?;
-    Ok(DatapathNetlist::build(operations.with(&Transform, TRANSFORM_OPCODE)?, config.microarchitecture)?)
+    Ok(DatapathNetlist::build(operations, config.microarchitecture)?)
 }
 
 fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>, UnitError> {

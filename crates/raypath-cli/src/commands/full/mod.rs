@@ -1,6 +1,7 @@
 //! The commands of a build with the feature `full`.
 
 mod accuracy;
+#[cfg_attr(not(feature = "verify"), path = "of_checkout.rs")]
 mod bench;
 mod box_bits;
 mod division;
@@ -17,7 +18,7 @@ mod search;
 mod stream;
 mod timed;
 mod utilisation;
-#[cfg_attr(not(feature = "verify"), path = "no_verify.rs")]
+#[cfg_attr(not(feature = "verify"), path = "of_checkout.rs")]
 mod verify;
 mod view;
 mod visits;
