@@ -249,6 +249,20 @@ impl Datapath {
     /// # Errors
     /// A datapath without the operation; slices whose lengths do not belong to the same number of jobs.
     pub fn run(&self, operation: OperationId, inputs: &[u64], outputs: &mut [u64]) -> Result<(), Error> {
+        self.run_watched(operation, inputs, outputs, &|_| true)
+    }
+
+    /// As [`run`](Self::run). `progress` gets the number of outcomes now and then, and returns false to stop.
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run).
+    pub fn run_watched(
+        &self,
+        operation: OperationId,
+        inputs: &[u64],
+        outputs: &mut [u64],
+        progress: &dyn Fn(u64) -> bool,
+    ) -> Result<(), Error> {
         let [per_job, per_outcome] = [self.inputs(operation).len(), self.outputs(operation).len()];
         if per_job == 0 || per_outcome == 0 {
             return Err(no_operation(&self.operations(), operation.name()));
@@ -262,7 +276,10 @@ impl Datapath {
             return Err(Error::Argument(problem));
         }
         let mut model = self.model.clone();
-        for (inputs, outputs) in inputs.chunks(per_job).zip(outputs.chunks_mut(per_outcome)) {
+        for (job, (inputs, outputs)) in (0..).zip(inputs.chunks(per_job).zip(outputs.chunks_mut(per_outcome))) {
+            if job % 1024 == 0 && !progress(job) {
+                break;
+            }
             let outcome = raypath_model::Model::run(&mut model, &self.model.job_of_words(operation, inputs));
             outputs.copy_from_slice(outcome.as_words());
         }

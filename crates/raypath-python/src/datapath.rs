@@ -5,7 +5,7 @@ use crate::config::{Around, chosen, toml};
 use crate::error::{exception, value_error};
 use crate::hits::{QuadboxHits, TriangleHits};
 use crate::tables;
-use crate::watch::in_pieces;
+use crate::watch::{in_pieces, watched};
 use crate::words::{outcomes, words_of};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
@@ -243,6 +243,7 @@ impl Datapath {
     ///
     /// Raises:
     ///     ValueError: a datapath without the operation; a port that is missing or unknown; another type or shape.
+    ///     KeyboardInterrupt: after Ctrl-C.
     ///
     /// Example:
     ///     >>> import numpy as np, raypath
@@ -262,7 +263,7 @@ impl Datapath {
         let (inputs, count) = words_of(&self.inner, operation, ports)?;
         let outputs = self.inner.outputs(operation);
         let mut words = vec![0; count * outputs.len()];
-        py.detach(|| self.inner.run(operation, &inputs, &mut words)).map_err(exception)?;
+        watched(py, |progress| self.inner.run_watched(operation, &inputs, &mut words, progress).map_err(exception))?;
         outcomes(py, outputs, self.inner.config().semantics.format, &words)
     }
 

@@ -1,10 +1,11 @@
 //! The classes `UnitModel` and `UnitOutputs`.
 
-use crate::array::{Items, Output, Truth, items, items_like, structure};
+use crate::array::{Output, Truth, items, items_like, structure};
 use crate::error::{exception, value_error};
 use crate::hits::UnitHits;
 use crate::tables::row;
 use crate::unit::{Unit, UnitScene, shown};
+use crate::watch::watched;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -166,49 +167,51 @@ impl UnitModel {
         scene.map_or(Ok(()), |scene| scene.get().check(&self.unit.get().inner))?;
         let bytes: &[u8] = scene.map_or(&[], |scene| &scene.get().data);
         let nothing = vec![0; width];
+        let (hit_ready, request_ready) = (hit_ready.as_deref(), request_ready.as_deref());
+        let (ids, answers) = (ids.as_deref(), scene.is_some());
         let Self { inner, due, .. } = self;
         let inner = inner.get_mut().unwrap_or_else(PoisonError::into_inner);
         let (mut accepted, mut hits, mut hit_ids, mut hit_cycles) = (0, Vec::new(), Vec::new(), Vec::new());
         let (mut addresses, mut request_cycles) = (Vec::new(), Vec::new());
-        let mut now = 0;
-        while now < cycles {
-            if now % CYCLES == CYCLES - 1 {
-                py.check_signals()?;
-            }
-            let outputs = inner.outputs();
-            let at = |ready: &Option<Items<'_, Truth>>| ready.as_ref().is_none_or(|ready| ready[now as usize].0 != 0);
-            let number = |place| ids.as_ref().map_or(place as u64, |ids| ids[place]);
-            let response =
-                due.front().filter(|(when, ..)| *when <= now && scene.is_some()).map(|(_, request, sent)| {
+        watched(py, |progress| {
+            for now in 0..cycles {
+                if now % CYCLES == CYCLES - 1 && !progress(now) {
+                    break;
+                }
+                let outputs = inner.outputs();
+                let at = |ready: Option<&[Truth]>| ready.is_none_or(|ready| ready[now as usize].0 != 0);
+                let number = |place| ids.map_or(place as u64, |ids| ids[place]);
+                let response = due.front().filter(|(when, ..)| *when <= now && answers).map(|(_, request, sent)| {
                     let beat = bytes.get(request.address as usize + sent * width..).and_then(|rest| rest.get(..width));
                     Response { tag: request.tag, is_error: beat.is_none(), beat: beat.unwrap_or(&nothing) }
                 });
-            let inputs = embed::UnitInputs {
-                ray: rays.get(accepted).map(|ray| (number(accepted), ray)),
-                hit_ready: at(&hit_ready),
-                request_ready: at(&request_ready),
-                response,
-            };
-            inner.step(&inputs).map_err(exception)?;
-            if let Some((_, _, sent)) = due.front_mut().filter(|_| response.is_some()) {
-                *sent += 1;
-                if *sent * width == block {
-                    due.pop_front();
+                let inputs = embed::UnitInputs {
+                    ray: rays.get(accepted).map(|ray| (number(accepted), ray)),
+                    hit_ready: at(hit_ready),
+                    request_ready: at(request_ready),
+                    response,
+                };
+                inner.step(&inputs).map_err(exception)?;
+                if let Some((_, _, sent)) = due.front_mut().filter(|_| response.is_some()) {
+                    *sent += 1;
+                    if *sent * width == block {
+                        due.pop_front();
+                    }
+                }
+                accepted += usize::from(outputs.ray_ready && inputs.ray.is_some());
+                if let Some((id, hit)) = outputs.hit.filter(|_| inputs.hit_ready) {
+                    hits.push(shown(hit));
+                    hit_ids.push(id);
+                    hit_cycles.push(now);
+                }
+                if let Some(request) = outputs.request.filter(|_| inputs.request_ready) {
+                    addresses.push(request.address);
+                    request_cycles.push(now);
+                    due.push_back((now + latency, request, 0));
                 }
             }
-            accepted += usize::from(outputs.ray_ready && inputs.ray.is_some());
-            if let Some((id, hit)) = outputs.hit.filter(|_| inputs.hit_ready) {
-                hits.push(shown(hit));
-                hit_ids.push(id);
-                hit_cycles.push(now);
-            }
-            if let Some(request) = outputs.request.filter(|_| inputs.request_ready) {
-                addresses.push(request.address);
-                request_cycles.push(now);
-                due.push_back((now + latency, request, 0));
-            }
-            now += 1;
-        }
+            Ok(())
+        })?;
         due.iter_mut().for_each(|(when, ..)| *when = when.saturating_sub(cycles));
         let mut output = Output::new::<UnitHit>(py, hits.len())?;
         output.items()?.copy_from_slice(&hits);

@@ -49,14 +49,15 @@ def test_inputs_are_not_copied() -> None:
     assert (found.stdout, found.stderr) == ("done\n", "")
 
 
-def test_the_interpreter_lock_is_released(datapath: raypath.Datapath) -> None:
-    """Another thread of Python runs while an array is computed."""
-    vectors = np.ones((2000, 20_000), np.float32)
+@pytest.mark.parametrize("is_model", [False, True])
+def test_the_interpreter_lock_is_released(datapath: raypath.Datapath, is_model: bool) -> None:
+    """Another thread of Python runs while an array is computed, and while a model runs."""
+    vectors, model = np.ones((2000, 20_000), np.float32), raypath.UnitModel(raypath.Unit("compact"))
     started, finished = threading.Event(), threading.Event()
 
     def work() -> None:
         started.set()
-        datapath.euclidean(vectors, vectors)
+        model.run(1_000_000) if is_model else datapath.euclidean(vectors, vectors)
         finished.set()
 
     thread = threading.Thread(target=work)
@@ -79,6 +80,7 @@ def test_the_interpreter_lock_is_released(datapath: raypath.Datapath) -> None:
         "raypath.Unit().scene(random((600_000, 3, 3)))",
         "raypath.Datapath(format='fp16').euclidean(np.ones((40_000, 400)), np.ones((40_000, 400)))",
         "[unit.trace(scene, rays) for _ in range(99)]",
+        "raypath.UnitModel(unit).run(10**12)",
     ],
 )
 def test_interrupt(work: str) -> None:

@@ -384,6 +384,7 @@ class Datapath:
 
         Raises:
             ValueError: a datapath without the operation; a port that is missing or unknown; another type or shape.
+            KeyboardInterrupt: after Ctrl-C.
 
         Example:
             >>> import numpy as np, raypath
