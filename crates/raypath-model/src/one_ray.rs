@@ -67,7 +67,8 @@ impl FourBoxes {
     }
 }
 
-/// The outcomes of four triangles, in their order. The numbers of misses are arbitrary.
+/// The outcomes of four triangles, in their order. The numbers of misses are arbitrary but for the denominators, which
+/// are negative for back faces.
 #[derive(Debug, Clone, Copy)]
 pub struct FourTriangles {
     /// Bit i: the ray hits triangle i.

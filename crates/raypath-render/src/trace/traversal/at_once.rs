@@ -87,8 +87,10 @@ impl Traversal<'_> {
                 [a, b, c, d, e, f, g, h, i]
             });
             let front = ray.fronts(op, |i, k| vertices[i][k]);
-            // Of a triangle behind, b and c are exchanged.
-            let behind = two_sided.then(|| ray.fronts(op, |i, k| vertices[i][[0, 1, 2, 6, 7, 8, 3, 4, 5][k]]));
+            // Only a face that is turned away can be hit from behind: its edges, and with them the denominator, are
+            // negative. Of a triangle behind, b and c are exchanged.
+            let may_hit = two_sided && front.t_denom[..in_four as usize].iter().any(|denominator| *denominator < 0.0);
+            let behind = may_hit.then(|| ray.fronts(op, |i, k| vertices[i][[0, 1, 2, 6, 7, 8, 3, 4, 5][k]]));
             let sides = [Some(front), behind];
             for i in 0..in_four as usize {
                 for (side, found) in (0..).zip(&sides) {
