@@ -4,7 +4,7 @@
 use crate::common::along_z;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_ops::Rules;
+use raypath_ops::{Rounding, Rules};
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Options, Sources, Verilated};
 use raypath_traversal::blocks::NodeKind::{Quantised, Wide4};
@@ -34,6 +34,14 @@ fn setting(step: StepParameters, count: usize, seed: u64) -> (BlockScene, Vec<Ra
         BlockScene::random_of(step.node, 250, &mut random)
     };
     (scene, (0..count).map(|_| random_ray(root, &mut random)).collect())
+}
+
+/// The models of the unit round every sum: other hardware would have other hits.
+#[test]
+fn sums_that_round_once_are_refused() {
+    let config = Config::DEFAULT.rounding(Rounding::Sum);
+    let problem = UnitNetlist::new(config, UnitParameters::default()).map(|_| ()).expect_err("refused").to_string();
+    assert_eq!(problem, "the unit has no datapath with rounding sum, expected rounding unit");
 }
 
 /// The cycle-exact model and the netlist, in lockstep, under every behaviour of the other channels. Without errors of the

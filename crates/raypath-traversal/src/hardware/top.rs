@@ -87,13 +87,14 @@ fn check(config: Config) -> Result<(), UnitError> {
     }
 }
 
-/// The parameters of the datapath that a unit has at their defaults alone: the rules and the numbers at its ports, and
-/// all features but barycentric coordinates, because it adds those that it needs.
+/// The parameters of the datapath that a unit has at their defaults alone: the rules, the rounding of sums (the models
+/// of the unit round every sum) and the numbers at its ports, and all features but barycentric coordinates, because it
+/// adds those that it needs.
 pub fn fixed_parameters() -> impl Iterator<Item = &'static Parameter> {
     let [semantics, microarchitecture, features] = PARAMETER_GROUPS;
     let of_ports = semantics.parameters.iter().chain(microarchitecture.parameters);
     of_ports
-        .filter(|parameter| ["rules", "box-bits", "format", "io"].contains(&parameter.name))
+        .filter(|parameter| ["rules", "box-bits", "rounding", "format", "io"].contains(&parameter.name))
         .chain(features.parameters.iter().filter(|parameter| parameter.name != "barycentrics"))
 }
 
