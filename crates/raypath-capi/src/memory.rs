@@ -58,6 +58,18 @@ pub fn copied(from: &[u8], to: &mut [u8]) -> usize {
     from.len()
 }
 
+/// Writes values to a caller, as many as fit, and returns their number.
+pub fn written<T>(from: impl Iterator<Item = T>, to: &mut [T]) -> usize {
+    let mut count = 0;
+    from.for_each(|value| {
+        if let Some(place) = to.get_mut(count) {
+            *place = value;
+        }
+        count += 1;
+    });
+    count
+}
+
 /// Frees an object. NULL is ignored.
 ///
 /// # Safety

@@ -1,7 +1,7 @@
 //! The cycle-exact model.
 
 use crate::Datapath;
-use crate::memory::{array, copied, free, reference, reference_mut, results};
+use crate::memory::{array, copied, free, reference, reference_mut, results, written};
 use crate::status::{Failure, RAYPATH_BUSY, RAYPATH_NO_RESULT, RAYPATH_OK, Status, status, value_or_zero};
 use raypath_embed::{
     self as embed, AngularResult, Beat, Bounds, EuclideanResult, QuadboxResult, Ray, Tagged, TriangleResult, Vertices,
@@ -277,9 +277,7 @@ pub unsafe extern "C" fn raypath_pipeline_stages(
     value_or_zero(|| {
         // SAFETY: by the contract of this function.
         let (pipeline, stages) = unsafe { (reference("pipeline", pipeline)?, results("stages", stages, capacity)?) };
-        let inside = pipeline.embedded.positions();
-        stages.iter_mut().zip(inside).for_each(|(stage, position)| *stage = position.stage as u32);
-        Ok(pipeline.embedded.positions().count())
+        Ok(written(pipeline.embedded.positions().map(|position| position.stage as u32), stages))
     })
 }
 

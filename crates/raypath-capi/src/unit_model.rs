@@ -1,7 +1,7 @@
 //! The cycle-exact model of a traversal unit.
 
 use crate::Unit;
-use crate::memory::{array, copied, free, reference, reference_mut, results};
+use crate::memory::{array, copied, free, reference, reference_mut, results, written};
 use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
 use raypath_embed::{self as embed, RayPhase, Response, UnitHit, UnitRay};
 
@@ -260,8 +260,7 @@ pub unsafe extern "C" fn raypath_unit_model_rays(
     value_or_zero(|| {
         // SAFETY: by the contract of this function.
         let (model, rays) = unsafe { (reference("model", model)?, results("rays", rays, capacity)?) };
-        rays.iter_mut().zip(model.embedded.rays()).for_each(|(to, ray)| *to = ray.into());
-        Ok(model.embedded.rays().count())
+        Ok(written(model.embedded.rays().map(RayInside::from), rays))
     })
 }
 

@@ -7,7 +7,7 @@ use raypath_model::{BLOCK, BlockValue, baseline, transposed};
 /// Field k of sixteen records, for each k. Bit patterns are kept.
 #[inline(always)]
 pub fn fields<const K: usize>(record: impl Fn(usize) -> [f32; K]) -> [BlockValue<f32>; K] {
-    // Wider registers gain nothing.
+    // Registers of four numbers, as every machine has them.
     let simd = baseline();
     let mut fields = [BlockValue([0.0; BLOCK]); K];
     for first in (0..BLOCK).step_by(4) {

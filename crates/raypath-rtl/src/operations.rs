@@ -86,17 +86,22 @@ impl Operations {
         }
     }
 
-    /// The operations of a configuration. A crate that calls this compiles none of them once more.
+    /// The operations of a configuration. They are compiled in this crate: [`Semantics::operations`] compiles them in
+    /// the crate that calls it.
     ///
     /// # Errors
     /// Features that cannot be combined ([`Config::check`]).
     pub fn of(config: Config) -> Result<Self, Error> {
         config.check()?;
-        let Semantics { format, rounding, features, .. } = config.semantics;
-        let mut operations = Self::new().format(format).rounding(rounding).tag(features.tag);
-        operations = operations.exception_flags(features.exception_flags);
+        let mut operations = Self::empty(config.semantics);
         config.semantics.operations(&mut operations)?;
         Ok(operations)
+    }
+
+    /// The empty set of operations, with the format, the rounding, the tag and the exception flags of these semantics.
+    pub fn empty(semantics: Semantics) -> Self {
+        let Semantics { format, rounding, features: Features { tag, exception_flags, .. }, .. } = semantics;
+        Self::new().format(format).rounding(rounding).tag(tag).exception_flags(exception_flags)
     }
 
     /// Adds an operation under an opcode of its own, below [`MAX_OPERATIONS`]. The opcode port is as wide as the

@@ -4,8 +4,7 @@
 use crate::lanes::with_lanes;
 use crate::vectors::Vectors;
 use crate::{LaneCount, Metric, cosine_distance, euclidean_distance};
-use raypath_model::Simd;
-use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, SimdKernels};
+use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, Simd, SimdKernels};
 use raypath_ops::{Beat, BeatInput, Binary32, Circuit, Family, Flags, Kernels, Num, Operation, array_of};
 
 /// One coordinate of all candidates of a block.

@@ -123,10 +123,7 @@ impl Datapath {
     /// operations whose shared units would form a loop.
     pub fn elaborate(&self) -> Result<rtl::DatapathNetlist, Error> {
         self.config.check()?;
-        let Semantics { format, rounding, features, .. } = self.config.semantics;
-        let Features { tag, exception_flags, .. } = features;
-        let mut operations =
-            Operations::new().format(format).rounding(rounding).tag(tag).exception_flags(exception_flags);
+        let mut operations = Operations::empty(self.config.semantics);
         if let Some(budget) = self.budget {
             operations = operations.within(budget);
         }

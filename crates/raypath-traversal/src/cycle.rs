@@ -69,11 +69,12 @@ impl UnitModel {
 
     /// The rays in contexts, by context. A ray whose hit is at the outputs has left its context.
     pub fn rays(&self) -> impl Iterator<Item = RayInside> + '_ {
-        self.timing.occupied().map(|context| {
+        let is_requesting = self.timing.requesting();
+        self.timing.occupied().map(move |context| {
             let Asked { kind, address, .. } = self.contexts.asked(context);
             let phase = match kind {
                 AskedKind::Begin => RayPhase::SetUp,
-                AskedKind::Block if self.timing.is_requesting(context) => RayPhase::Memory,
+                AskedKind::Block if is_requesting[usize::from(context)] => RayPhase::Memory,
                 AskedKind::Block | AskedKind::Again => RayPhase::Jobs,
                 AskedKind::Nothing => RayPhase::Ended,
             };

@@ -15,7 +15,7 @@ use crate::words::LEVELS;
 use raypath_model::{NearestFirst, OneRay};
 use raypath_ops::{Rules, array_of};
 
-/// The stack of a ray, and the places on its path: kept from ray to ray, so that nobody clears them.
+/// The stack of a ray, and the places on its path: kept from ray to ray, because they need not be cleared.
 #[derive(Debug, Clone)]
 pub(crate) struct Trail {
     /// By level, modulo the entries of the stack.

@@ -135,9 +135,11 @@ impl<const N: usize> Queues<N> {
         self.is_ready(queue).then(|| self.queues[queue].first())
     }
 
-    /// Whether a queue has a word, also one that is not yet at the output.
-    pub fn has(&self, queue: usize, word: u8) -> bool {
-        self.queues[queue].items().any(|item| item == word)
+    /// Whether a queue has each word, also one that is not yet at the output.
+    pub fn has(&self, queue: usize) -> [bool; 256] {
+        let mut has = [false; 256];
+        self.queues[queue].items().for_each(|word| has[usize::from(word)] = true);
+        has
     }
 
     /// Whether an edge changes nothing.

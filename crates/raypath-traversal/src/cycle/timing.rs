@@ -256,12 +256,13 @@ impl Timing {
 
     /// The contexts with a ray.
     pub fn occupied(&self) -> impl Iterator<Item = u8> + '_ {
-        (0..self.fresh).map(|context| context as u8).filter(|context| !self.queues.has(FREE, *context))
+        let is_free = self.queues.has(FREE);
+        (0..self.fresh).map(|context| context as u8).filter(move |context| !is_free[usize::from(*context)])
     }
 
-    /// Whether the block of a ray is not yet requested.
-    pub fn is_requesting(&self, context: u8) -> bool {
-        self.queues.has(REQUESTS, context)
+    /// Whether the block of the ray in each context is not yet requested.
+    pub fn requesting(&self) -> [bool; 256] {
+        self.queues.has(REQUESTS)
     }
 
     /// The ray that has the next turn of the set-up to enter an instance.

@@ -7,7 +7,7 @@ use raypath_ops::operations::{NAMES, key_compare, octbox, point_in_box, quantise
 use raypath_ops::{BoxBits, Culling, Operation, Rules};
 use raypath_rtl::{
     Accumulators, Config, Control, DatapathNetlist, Encoding, Interval, Lanes, Multiplier, OperationVisitor,
-    Operations, Semantics, Sharing, UnitLatency, UnitSharing,
+    Operations, Sharing, UnitLatency, UnitSharing,
 };
 use raypath_verify::{Error, Level};
 use std::fmt;
@@ -85,9 +85,7 @@ impl ProvedDatapath {
         if self.added.is_none() && !self.is_scheduled {
             return Ok(DatapathNetlist::new(self.config)?);
         }
-        let Semantics { format, rounding, features, .. } = self.config.semantics;
-        let mut operations = Operations::new().format(format).rounding(rounding).tag(features.tag);
-        operations = operations.exception_flags(features.exception_flags);
+        let mut operations = Operations::empty(self.config.semantics);
         if self.is_scheduled {
             operations = operations.auto();
         }
