@@ -9,12 +9,12 @@ from cocotb.clock import Clock
 from cocotb.triggers import RisingEdge
 from cocotbext.axi import AxiRamRead, AxiReadBus
 
-MISS, HIT, REFUSED, ERROR = range(4)
+MISS, HIT, REFUSED, MEMORY_ERROR = 0, 1, 3, 4
 ROOT = 0x20  # the child word of a node at address 0, where `raypath scene` puts the root
-BACK_FACES, FRONT_FACES = 1, 2  # bits of ray_cull_i
+CULL_BACK_FACING_TRIANGLES = 1 << 4  # a bit of ray_flags_i
 
-RAY = "id root any_hit cull origin_x origin_y origin_z dir_x dir_y dir_z tmin tmax".split()
-HIT_FIELDS = "id status triangle t t_num t_denom back_face".split()
+RAY = "id root flags origin_x origin_y origin_z dir_x dir_y dir_z tmin tmax".split()
+HIT_FIELDS = "id status primitive t t_num t_denom back_face".split()
 AXI = ("arid araddr arlen arsize arburst arlock arcache arprot arqos arvalid arready "
        "rid rdata rresp rlast rvalid rready").split()
 PORTS = ["clk_i", "rst_ni", "ray_valid_i", "ray_ready_o", "hit_valid_o", "hit_ready_i",
@@ -97,7 +97,7 @@ class Unit:
         return self
 
     async def trace(self, rays, root=ROOT, ready=lambda: True):
-        """Traces rays (ox, oy, oz, dx, dy, dz, extent), and returns the hit of each: status, triangle, the bits of t,
+        """Traces rays (ox, oy, oz, dx, dy, dz, extent), and returns the hit of each: status, primitive, the bits of t,
         t_num and t_denom, whether it is a back face."""
         assert len(rays) <= 1 << len(self.dut.ray_id_i), "more rays than numbers"
         cocotb.start_soon(self.send(rays, root))
@@ -119,7 +119,7 @@ class Unit:
         ports = [getattr(dut, f"ray_{name}_i") for name in RAY]
         for number, (*vectors, extent) in enumerate(rays):
             child = root(number) if callable(root) else root
-            values = [number, child, 0, BACK_FACES, *map(bits, vectors), bits(0.0), bits(extent)]
+            values = [number, child, CULL_BACK_FACING_TRIANGLES, *map(bits, vectors), bits(0.0), bits(extent)]
             for port, value in zip(ports, values, strict=True):
                 port.value = value
             dut.ray_valid_i.value = 1

@@ -7,7 +7,7 @@ import struct
 
 import cocotb
 
-from bench import BACK_FACES, ERROR, HIT, MISS, ROOT, Unit
+from bench import CULL_BACK_FACING_TRIANGLES, HIT, MEMORY_ERROR, MISS, ROOT, Unit
 
 FOLDER = pathlib.Path(os.environ["RAYPATH_UNIT"])
 SCENE = (FOLDER / "scene.bin").read_bytes()
@@ -73,7 +73,7 @@ async def errors_end_their_rays_alone(dut):
     unit = await Unit.start(dut, bytearray(SCENE))
     rays = RAYS[-200:]
     hits = await unit.trace(rays, root=lambda number: behind if number % 3 == 0 else ROOT)
-    failed = [number for number, hit in enumerate(hits) if hit[0] == ERROR]
+    failed = [number for number, hit in enumerate(hits) if hit[0] == MEMORY_ERROR]
     assert failed == list(range(0, len(rays), 3))
     others = [number for number in range(len(rays)) if number % 3]
     check([hits[number] for number in others], [HITS[-200:][number] for number in others])

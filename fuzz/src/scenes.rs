@@ -2,11 +2,20 @@
 
 use raypath_ops::Rules;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::{Memory, MemoryError, RayRequest, StepParameters, Unit, UnitFeatures};
+use raypath_traversal::state::status;
+use raypath_traversal::{Memory, MemoryError, Queries, RayRequest, StepParameters, Unit, UnitFeatures, ray_flags};
 use std::cell::Cell;
 
 /// The blocks after which the memory has errors alone, because a scene with a cycle has no end before `VISIT_LIMIT`.
 const MAX_BLOCKS: u32 = 2000;
+/// The flags of a ray by the bits of a byte.
+const RAY_FLAGS: [(u8, u32); 5] = [
+    (1, ray_flags::TERMINATE_ON_FIRST_HIT),
+    (2, ray_flags::CULL_BACK_FACING_TRIANGLES),
+    (4, ray_flags::CULL_FRONT_FACING_TRIANGLES),
+    (64, ray_flags::CULL_OPAQUE),
+    (128, ray_flags::CULL_NO_OPAQUE),
+];
 /// The bytes of an input before those of the memory: a ray.
 const HEADER: usize = 38;
 
@@ -22,14 +31,14 @@ pub fn scene(bytes: &[u8]) -> bool {
         direction: [3, 4, 5].map(number),
         t_min: number(6),
         t_max: number(7),
-        any_hit: flags & 1 != 0,
-        cull_back: flags & 2 != 0,
-        cull_front: flags & 4 != 0,
+        flags: RAY_FLAGS.into_iter().filter(|(bit, _)| flags & bit != 0).fold(0, |all, (_, flag)| all | flag),
+        cull_mask: 1 << (flags & 7),
         root: word(8),
     };
     let node = if node & 1 == 0 { NodeKind::Wide4 } else { NodeKind::Quantised };
     let instances = node == NodeKind::Wide4 && flags & 8 != 0;
-    let features = UnitFeatures { instances, barycentrics: flags & 16 != 0 };
+    let queries = if flags & 32 != 0 { Queries::Flags } else { Queries::None };
+    let features = UnitFeatures { instances, barycentrics: flags & 16 != 0, queries };
     let parameters = StepParameters { node, features, ..StepParameters::default() };
     let mut unit = Unit::new(Rules::Paper, parameters);
     let mut trace = || {
@@ -37,7 +46,7 @@ pub fn scene(bytes: &[u8]) -> bool {
         (unit.trace(&memory, &ray), memory.left.get())
     };
     let (reply, left) = trace();
-    assert!(reply.status <= 3 && reply.hit.is_some() == (reply.status == 1), "{reply:?}");
+    assert!(reply.status <= status::LIMIT && reply.hit.is_some() == (reply.status == 1), "{reply:?}");
     assert!(reply.nodes <= MAX_BLOCKS + 1 && reply.triangles <= 8 * (MAX_BLOCKS + 1), "{reply:?}");
     // Nothing of a ray remains for the next. As text, because a NaN differs from itself.
     assert_eq!(format!("{:?}", trace()), format!("{:?}", (reply, left)));

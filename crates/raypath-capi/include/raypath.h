@@ -75,14 +75,25 @@
 #define RAYPATH_UNIT_HIT 1
 
 /**
- * The ray is refused: a direction that cannot be inverted, a value that is not finite, a negative `t_min`.
+ * The ray is refused: a direction that cannot be inverted, a value that is not finite, a negative `t_min`, flags that
+ * have no meaning together.
  */
-#define RAYPATH_UNIT_REFUSED 2
+#define RAYPATH_UNIT_REFUSED 3
 
 /**
- * An error of the memory, or a scene that is not valid.
+ * The memory reported an error, or there is nothing at an address.
  */
-#define RAYPATH_UNIT_ERROR 3
+#define RAYPATH_UNIT_MEMORY 4
+
+/**
+ * The scene is not valid.
+ */
+#define RAYPATH_UNIT_SCENE 5
+
+/**
+ * The ray has read as many nodes or triangles as it may.
+ */
+#define RAYPATH_UNIT_LIMIT 6
 
 /**
  * The `instance` of a `raypath_unit_hit` whose triangle is in none.
@@ -90,14 +101,74 @@
 #define RAYPATH_UNIT_NO_INSTANCE 4294967295
 
 /**
- * A bit of `raypath_unit_ray`: back faces are not hit.
+ * A bit of `flags` of `raypath_unit_ray`: every triangle counts as opaque.
  */
-#define RAYPATH_CULL_BACK 1
+#define RAYPATH_RAY_OPAQUE 1
+
+/**
+ * Every triangle counts as non-opaque.
+ */
+#define RAYPATH_RAY_NO_OPAQUE 2
+
+/**
+ * The ray ends with the first block of triangles with a hit.
+ */
+#define RAYPATH_RAY_TERMINATE_ON_FIRST_HIT 4
+
+/**
+ * Without an effect on traversal.
+ */
+#define RAYPATH_RAY_SKIP_CLOSEST_HIT_SHADER 8
+
+/**
+ * Back faces are not hit.
+ */
+#define RAYPATH_RAY_CULL_BACK_FACING_TRIANGLES 16
 
 /**
  * Front faces are not hit.
  */
-#define RAYPATH_CULL_FRONT 2
+#define RAYPATH_RAY_CULL_FRONT_FACING_TRIANGLES 32
+
+/**
+ * Triangles that count as opaque are not hit.
+ */
+#define RAYPATH_RAY_CULL_OPAQUE 64
+
+/**
+ * Triangles that count as non-opaque are not hit.
+ */
+#define RAYPATH_RAY_CULL_NO_OPAQUE 128
+
+/**
+ * Triangles are not hit.
+ */
+#define RAYPATH_RAY_SKIP_TRIANGLES 256
+
+/**
+ * Procedural boxes, of which no unit has any yet, are not hit.
+ */
+#define RAYPATH_RAY_SKIP_AABBS 512
+
+/**
+ * A bit of `flags` of `raypath_unit_instance`: faces are not culled.
+ */
+#define RAYPATH_INSTANCE_FACING_CULL_DISABLE 1
+
+/**
+ * Front and back faces are exchanged.
+ */
+#define RAYPATH_INSTANCE_FLIP_FACING 2
+
+/**
+ * Its geometries count as opaque.
+ */
+#define RAYPATH_INSTANCE_FORCE_OPAQUE 4
+
+/**
+ * Its geometries count as non-opaque.
+ */
+#define RAYPATH_INSTANCE_FORCE_NO_OPAQUE 8
 
 /**
  * The phase of a ray whose constants are computed.
@@ -540,6 +611,46 @@ typedef struct {
 } raypath_result;
 
 /**
+ * Triangles of a scene that are opaque or not.
+ */
+typedef struct {
+  /**
+   * The number of its triangles.
+   */
+  uint32_t triangles;
+  /**
+   * 0 if they are opaque, 1 if not.
+   */
+  uint32_t non_opaque;
+} raypath_unit_geometry;
+
+/**
+ * A place of the triangles in a scene, 112 bytes.
+ */
+typedef struct {
+  /**
+   * The affine matrix from the triangles to the scene, row by row; the last number of each row is the translation.
+   */
+  double matrix[3][4];
+  /**
+   * The custom index, below 2²⁴.
+   */
+  uint32_t custom_index;
+  /**
+   * Rays count it whose mask has a bit of this one, 0 to 255.
+   */
+  uint32_t mask;
+  /**
+   * The offset into the shader table, below 2²⁴.
+   */
+  uint32_t shader_offset;
+  /**
+   * The bits `RAYPATH_INSTANCE_…` that are set.
+   */
+  uint32_t flags;
+} raypath_unit_instance;
+
+/**
  * The parameters of a traversal unit.
  */
 typedef struct {
@@ -571,6 +682,14 @@ typedef struct {
    * Whether scenes have instances: 0 or 1.
    */
   uint32_t instances;
+  /**
+   * Whether it has flags of geometries and instances, which is `queries = "flags"`: 0 or 1.
+   */
+  uint32_t queries;
+  /**
+   * Whether front faces run clockwise: 0 or 1.
+   */
+  uint32_t clockwise_front;
 } raypath_unit_parameter_values;
 
 /**
@@ -586,21 +705,22 @@ typedef struct {
    */
   float direction[3];
   /**
-   * The least distance of a hit, in units of the direction's length.
+   * Hits count beyond this distance, in units of the direction's length.
    */
   float t_min;
   /**
-   * The greatest distance of a hit; infinity reaches everything.
+   * Hits count below this distance; infinity reaches everything.
    */
   float t_max;
   /**
-   * Not 0: the ray ends at the first block of triangles with a hit.
+   * The bits `RAYPATH_RAY_…` that are set, which are those of SPIR-V's `RayFlags`.
    */
-  uint32_t any_hit;
+  uint32_t flags;
   /**
-   * 0, or `RAYPATH_CULL_BACK`, `RAYPATH_CULL_FRONT` or both: faces that are not hit.
+   * With `instances` and `queries`: instances count whose mask has a bit of it, 0 to 255. 255 is usual, and 0 hits no
+   * instance.
    */
-  uint32_t cull;
+  uint32_t cull_mask;
   /**
    * The child word of the scene's root.
    */
@@ -608,18 +728,19 @@ typedef struct {
 } raypath_unit_ray;
 
 /**
- * What the traversal unit returns for a ray, 44 bytes. The members are the ports of the hit's channel: without a hit,
+ * What the traversal unit returns for a ray, 56 bytes. The members are the ports of the hit's channel: without a hit,
  * all but `status`, `nodes` and `triangles` are 0.
  */
 typedef struct {
   /**
-   * One of `RAYPATH_UNIT_…`: 0 miss, 1 hit, 2 ray refused, 3 error of the memory or of the scene.
+   * One of `RAYPATH_UNIT_…`: 0 miss, 1 hit, 3 ray refused, 4 error of the memory, 5 error of the scene, 6 limit of
+   * work.
    */
   uint32_t status;
   /**
-   * The index of the triangle, as the scene has it.
+   * The index of the triangle in its geometry.
    */
-  uint32_t triangle;
+  uint32_t primitive;
   /**
    * The index of the triangle's instance, as the scene has it; `RAYPATH_UNIT_NO_INSTANCE` for a triangle in none, as
    * all are in a unit without `instances`.
@@ -634,16 +755,16 @@ typedef struct {
    */
   float t_num;
   /**
-   * The denominator of the distance; negative for a back face.
+   * The denominator of the distance; negative if the vertices run clockwise as the ray's origin sees them.
    */
   float t_denom;
   /**
-   * With `barycentrics`, the weight of the triangle's first vertex at the hit; 0 otherwise. The weights of the three
-   * vertices add up to 1.
+   * With `barycentrics`, the weight of the triangle's second vertex at the hit; 0 otherwise. The weights of the
+   * three vertices add up to 1.
    */
   float u;
   /**
-   * With `barycentrics`, the weight of the second vertex.
+   * With `barycentrics`, the weight of the third vertex.
    */
   float v;
   /**
@@ -658,6 +779,18 @@ typedef struct {
    * The triangles that the ray has read.
    */
   uint32_t triangles;
+  /**
+   * With `queries`, the index of the triangle's geometry; 0 otherwise.
+   */
+  uint32_t geometry;
+  /**
+   * With `instances` and `queries`, the custom index of the triangle's instance; 0 otherwise.
+   */
+  uint32_t custom_index;
+  /**
+   * With `instances` and `queries`, the offset of that instance into the shader table; 0 otherwise.
+   */
+  uint32_t shader_offset;
 } raypath_unit_hit;
 
 /**
@@ -1266,14 +1399,16 @@ raypath_status raypath_pipeline_clone(const raypath_pipeline *pipeline, raypath_
  * Builds a scene in the layout that the unit reads, and sets `*scene`. Any thread may call it.
  *
  * `vertices` has three numbers for each of `vertex_count` vertices, `indices` three vertices for each of
- * `triangle_count` triangles, counter-clockwise as seen from the front. With `instances`, which may be NULL, the scene
- * has two levels: twelve numbers for each of `instance_count` places, an affine matrix from the triangles to the
- * scene, row by row, the last number of each row the translation. `reach` is the greatest distance, along any axis,
+ * `triangle_count` triangles, counter-clockwise as seen from the front. In a unit with `queries`, a triangle with
+ * a vertex whose x is NaN is inactive: it is not hit, and counts in indices. With `geometries`, which may be NULL, the triangles belong to them in
+ * order; without, they are one opaque geometry. With `instances`, which may be NULL, the scene has two levels, with the
+ * triangles at each of `instance_count` places. `reach` is the greatest distance, along any axis,
  * between the origin of a ray and a vertex; 0 for 16 times the longest side of the scene. Rays from further away may
  * lose hits at the edges of boxes.
  *
  * Errors: `RAYPATH_ERROR_ARGUMENT` for an index of no vertex, a coordinate beyond 2^40, a matrix without an inverse, a
- * negative reach, no triangle, more than fit into 4 GiB, or instances for a unit without them; `RAYPATH_ERROR_NULL`,
+ * negative reach, no active triangle, more than fit into 4 GiB, geometries with another number of triangles, a word of
+ * an instance out of range, or what needs `instances` or `queries` for a unit without them; `RAYPATH_ERROR_NULL`,
  * `_ALIGNMENT`. Then `*scene` is not changed.
  *
  * # Safety
@@ -1285,7 +1420,9 @@ raypath_status raypath_scene_build(const raypath_unit *unit,
                                    size_t vertex_count,
                                    const uint32_t (*indices)[3],
                                    size_t triangle_count,
-                                   const double (*instances)[3][4],
+                                   const raypath_unit_geometry *geometries,
+                                   size_t geometry_count,
+                                   const raypath_unit_instance *instances,
                                    size_t instance_count,
                                    float reach,
                                    raypath_scene **scene);
@@ -1355,7 +1492,7 @@ const char *raypath_last_error(void);
 
 /**
  * Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
- * `contexts`, `stack`, `node`, `memory-width`, `id-width`, `divider-latency`, `instances`. For example
+ * `contexts`, `stack`, `node`, `memory-width`, `id-width`, `divider-latency`, `instances`, `queries`, `front`. For example
  * `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default. Of the features, a
  * unit has `barycentrics` alone. Any thread may call it.
  *
@@ -1365,7 +1502,8 @@ const char *raypath_last_error(void);
  * # Safety
  * `toml` is NULL or a string; `unit` is NULL or points to a pointer.
  */
-raypath_status raypath_unit_open(const char *toml, raypath_unit **unit);
+raypath_status raypath_unit_open(const char *toml,
+                                 raypath_unit **unit);
 
 /**
  * Closes a unit. NULL is ignored. Models of the unit remain usable.
@@ -1405,7 +1543,7 @@ raypath_status raypath_unit_parameters(const raypath_unit *unit, raypath_unit_pa
 /**
  * Traces `count` rays through a scene of `size` bytes by the functional model, and sets a hit for each. The first byte
  * of the scene has the address 0; an address outside of it is an error of the memory, which ends a ray with
- * `RAYPATH_UNIT_ERROR`. Any thread may call it.
+ * `RAYPATH_UNIT_MEMORY`. Any thread may call it.
  *
  * Errors: `RAYPATH_ERROR_ARGUMENT` for a `cull` above 3, with the index of the ray; `RAYPATH_ERROR_NULL`,
  * `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
@@ -1463,7 +1601,7 @@ raypath_status raypath_unit_model_outputs(const raypath_unit_model *model, raypa
 /**
  * The clock edge that ends this cycle.
  *
- * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, a `cull` above 3, and a beat
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags or a mask out of range, and a beat
  * whose tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle
  * passes.
  *
@@ -1471,7 +1609,8 @@ raypath_status raypath_unit_model_outputs(const raypath_unit_model *model, raypa
  * `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an
  * eighth of the memory's width if it is valid.
  */
-raypath_status raypath_unit_model_step(raypath_unit_model *model, const raypath_unit_inputs *inputs);
+raypath_status raypath_unit_model_step(raypath_unit_model *model,
+                                       const raypath_unit_inputs *inputs);
 
 /**
  * Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the

@@ -300,15 +300,17 @@ class Scene {
  public:
   using Vertex = float[3];
   using Triangle = std::uint32_t[3];
-  using Matrix = double[3][4];
+  using Geometry = raypath_unit_geometry;
+  using Instance = raypath_unit_instance;
 
   /** Builds a scene; see raypath_scene_build. Without instances it has one level. */
   static Expected<Scene> build(const Unit &unit, Span<const Vertex> vertices, Span<const Triangle> triangles,
-                               Span<const Matrix> instances = {}, float reach = 0.0f) {
+                               Span<const Instance> instances = {}, float reach = 0.0f,
+                               Span<const Geometry> geometries = {}) {
     raypath_scene *built = nullptr;
     const raypath_status status =
         raypath_scene_build(unit.get(), vertices.data(), vertices.size(), triangles.data(), triangles.size(),
-                            instances.data(), instances.size(), reach, &built);
+                            geometries.data(), geometries.size(), instances.data(), instances.size(), reach, &built);
     if (status < 0) return detail::last_error(status);
     return Scene(built);
   }

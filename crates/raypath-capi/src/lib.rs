@@ -19,7 +19,9 @@ pub use arrays::*;
 pub use datapath::*;
 pub use inspect::*;
 pub use pipeline::*;
-pub use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, UnitHit, UnitRay, Vertices};
+pub use raypath_embed::{
+    Bounds, QuadboxResult, Ray, SceneGeometry, SceneInstance, TriangleResult, UnitHit, UnitRay, Vertices,
+};
 pub use scene::*;
 pub use status::*;
 pub use unit::*;

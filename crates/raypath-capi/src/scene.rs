@@ -3,7 +3,7 @@
 use crate::Unit;
 use crate::memory::{array, free, reference, reference_mut};
 use crate::status::{RAYPATH_OK, Status, address_or_null, status, value_or_zero};
-use raypath_embed::{SceneInput, UnitScene};
+use raypath_embed::{SceneGeometry, SceneInput, SceneInstance, UnitScene};
 
 /// A scene in memory, as a traversal unit reads it. It does not change, so any number of threads may use it at once,
 /// until `raypath_scene_free`.
@@ -12,14 +12,16 @@ pub struct Scene(UnitScene);
 /// Builds a scene in the layout that the unit reads, and sets `*scene`. Any thread may call it.
 ///
 /// `vertices` has three numbers for each of `vertex_count` vertices, `indices` three vertices for each of
-/// `triangle_count` triangles, counter-clockwise as seen from the front. With `instances`, which may be NULL, the scene
-/// has two levels: twelve numbers for each of `instance_count` places, an affine matrix from the triangles to the
-/// scene, row by row, the last number of each row the translation. `reach` is the greatest distance, along any axis,
+/// `triangle_count` triangles, counter-clockwise as seen from the front. In a unit with `queries`, a triangle with
+/// a vertex whose x is NaN is inactive: it is not hit, and counts in indices. With `geometries`, which may be NULL, the triangles belong to them in
+/// order; without, they are one opaque geometry. With `instances`, which may be NULL, the scene has two levels, with the
+/// triangles at each of `instance_count` places. `reach` is the greatest distance, along any axis,
 /// between the origin of a ray and a vertex; 0 for 16 times the longest side of the scene. Rays from further away may
 /// lose hits at the edges of boxes.
 ///
 /// Errors: `RAYPATH_ERROR_ARGUMENT` for an index of no vertex, a coordinate beyond 2^40, a matrix without an inverse, a
-/// negative reach, no triangle, more than fit into 4 GiB, or instances for a unit without them; `RAYPATH_ERROR_NULL`,
+/// negative reach, no active triangle, more than fit into 4 GiB, geometries with another number of triangles, a word of
+/// an instance out of range, or what needs `instances` or `queries` for a unit without them; `RAYPATH_ERROR_NULL`,
 /// `_ALIGNMENT`. Then `*scene` is not changed.
 ///
 /// # Safety
@@ -33,7 +35,9 @@ pub unsafe extern "C" fn raypath_scene_build(
     vertex_count: usize,
     indices: *const [u32; 3],
     triangle_count: usize,
-    instances: *const [[f64; 4]; 3],
+    geometries: *const SceneGeometry,
+    geometry_count: usize,
+    instances: *const SceneInstance,
     instance_count: usize,
     reach: f32,
     scene: *mut *mut Scene,
@@ -51,8 +55,15 @@ pub unsafe extern "C" fn raypath_scene_build(
         // SAFETY: as above.
         let placed = || unsafe { array("instances", instances, instance_count) };
         let instances = if instances.is_null() && instance_count == 0 { None } else { Some(placed()?.to_vec()) };
+        let geometries = if geometries.is_null() && geometry_count == 0 {
+            Vec::new()
+        } else {
+            // SAFETY: as above.
+            unsafe { array("geometries", geometries, geometry_count)? }.to_vec()
+        };
         let reach = if reach == 0.0 { None } else { Some(reach) };
-        let input = SceneInput { vertices: vertices.to_vec(), triangles: triangles.to_vec(), instances, reach };
+        let (vertices, triangles) = (vertices.to_vec(), triangles.to_vec());
+        let input = SceneInput { vertices, triangles, geometries, instances, reach };
         *scene = Box::into_raw(Box::new(Scene(unit.embedded.scene(input)?)));
         Ok(RAYPATH_OK)
     })

@@ -2,6 +2,7 @@
 
 use crate::memory::{array, free, reference, reference_mut, required_text, results, separate, text};
 use crate::status::{RAYPATH_OK, Status, address_or_null, status};
+use raypath_embed::{Front, Queries};
 use raypath_embed::{Unit as Embedded, UnitHit, UnitRay};
 use std::ffi::{CString, c_char};
 use std::path::Path;
@@ -32,27 +33,61 @@ pub struct UnitParameters {
     pub divider_latency: u32,
     /// Whether scenes have instances: 0 or 1.
     pub instances: u32,
+    /// Whether it has flags of geometries and instances, which is `queries = "flags"`: 0 or 1.
+    pub queries: u32,
+    /// Whether front faces run clockwise: 0 or 1.
+    pub clockwise_front: u32,
 }
 
 /// `raypath_unit_hit`: no triangle is hit.
 pub const RAYPATH_UNIT_MISS: u32 = 0;
 /// A triangle is hit.
 pub const RAYPATH_UNIT_HIT: u32 = 1;
-/// The ray is refused: a direction that cannot be inverted, a value that is not finite, a negative `t_min`.
-pub const RAYPATH_UNIT_REFUSED: u32 = 2;
-/// An error of the memory, or a scene that is not valid.
-pub const RAYPATH_UNIT_ERROR: u32 = 3;
+/// The ray is refused: a direction that cannot be inverted, a value that is not finite, a negative `t_min`, flags that
+/// have no meaning together.
+pub const RAYPATH_UNIT_REFUSED: u32 = 3;
+/// The memory reported an error, or there is nothing at an address.
+pub const RAYPATH_UNIT_MEMORY: u32 = 4;
+/// The scene is not valid.
+pub const RAYPATH_UNIT_SCENE: u32 = 5;
+/// The ray has read as many nodes or triangles as it may.
+pub const RAYPATH_UNIT_LIMIT: u32 = 6;
 
 /// The `instance` of a `raypath_unit_hit` whose triangle is in none.
 pub const RAYPATH_UNIT_NO_INSTANCE: u32 = 0xffff_ffff;
 
-/// A bit of `raypath_unit_ray`: back faces are not hit.
-pub const RAYPATH_CULL_BACK: u32 = 1;
+/// A bit of `flags` of `raypath_unit_ray`: every triangle counts as opaque.
+pub const RAYPATH_RAY_OPAQUE: u32 = 1;
+/// Every triangle counts as non-opaque.
+pub const RAYPATH_RAY_NO_OPAQUE: u32 = 2;
+/// The ray ends with the first block of triangles with a hit.
+pub const RAYPATH_RAY_TERMINATE_ON_FIRST_HIT: u32 = 4;
+/// Without an effect on traversal.
+pub const RAYPATH_RAY_SKIP_CLOSEST_HIT_SHADER: u32 = 8;
+/// Back faces are not hit.
+pub const RAYPATH_RAY_CULL_BACK_FACING_TRIANGLES: u32 = 16;
 /// Front faces are not hit.
-pub const RAYPATH_CULL_FRONT: u32 = 2;
+pub const RAYPATH_RAY_CULL_FRONT_FACING_TRIANGLES: u32 = 32;
+/// Triangles that count as opaque are not hit.
+pub const RAYPATH_RAY_CULL_OPAQUE: u32 = 64;
+/// Triangles that count as non-opaque are not hit.
+pub const RAYPATH_RAY_CULL_NO_OPAQUE: u32 = 128;
+/// Triangles are not hit.
+pub const RAYPATH_RAY_SKIP_TRIANGLES: u32 = 256;
+/// Procedural boxes, of which no unit has any yet, are not hit.
+pub const RAYPATH_RAY_SKIP_AABBS: u32 = 512;
+
+/// A bit of `flags` of `raypath_unit_instance`: faces are not culled.
+pub const RAYPATH_INSTANCE_FACING_CULL_DISABLE: u32 = 1;
+/// Front and back faces are exchanged.
+pub const RAYPATH_INSTANCE_FLIP_FACING: u32 = 2;
+/// Its geometries count as opaque.
+pub const RAYPATH_INSTANCE_FORCE_OPAQUE: u32 = 4;
+/// Its geometries count as non-opaque.
+pub const RAYPATH_INSTANCE_FORCE_NO_OPAQUE: u32 = 8;
 
 /// Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
-/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `divider-latency`, `instances`. For example
+/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `divider-latency`, `instances`, `queries`, `front`. For example
 /// `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default. Of the features, a
 /// unit has `barycentrics` alone. Any thread may call it.
 ///
@@ -125,6 +160,8 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
             id_width: parameters.id_width,
             divider_latency: parameters.divider_latency,
             instances: parameters.step.features.instances.into(),
+            queries: (parameters.step.features.queries != Queries::None).into(),
+            clockwise_front: (parameters.step.front == Front::Clockwise).into(),
         };
         Ok(RAYPATH_OK)
     })
@@ -132,7 +169,7 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
 
 /// Traces `count` rays through a scene of `size` bytes by the functional model, and sets a hit for each. The first byte
 /// of the scene has the address 0; an address outside of it is an error of the memory, which ends a ray with
-/// `RAYPATH_UNIT_ERROR`. Any thread may call it.
+/// `RAYPATH_UNIT_MEMORY`. Any thread may call it.
 ///
 /// Errors: `RAYPATH_ERROR_ARGUMENT` for a `cull` above 3, with the index of the ray; `RAYPATH_ERROR_NULL`,
 /// `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.

@@ -167,7 +167,7 @@ pub unsafe extern "C" fn raypath_unit_model_outputs(model: *const UnitModel, out
 
 /// The clock edge that ends this cycle.
 ///
-/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, a `cull` above 3, and a beat
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags or a mask out of range, and a beat
 /// whose tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle
 /// passes.
 ///

@@ -25,5 +25,8 @@ pub use pipeline::Pipeline;
 pub use raypath_model::Words;
 pub use raypath_ops::RayError;
 pub use raypath_sim::OperationId;
-pub use raypath_traversal::{BlockRequest, RayInside, RayPhase, Response, UnitCounts};
-pub use unit::{SceneInput, Unit, UnitHit, UnitInputs, UnitModel, UnitOutputs, UnitRay, UnitScene, UnitStalls};
+pub use raypath_traversal::{BlockRequest, Front, Queries, RayInside, RayPhase, Response, UnitCounts};
+pub use unit::{
+    SceneGeometry, SceneInput, SceneInstance, Unit, UnitHit, UnitInputs, UnitModel, UnitOutputs, UnitRay, UnitScene,
+    UnitStalls,
+};

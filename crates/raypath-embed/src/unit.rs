@@ -15,7 +15,7 @@ use raypath_sim::configuration;
 use raypath_sim::files::{in_folder, write_all};
 use raypath_traversal::system::{MemoryParameters, SystemTiming, simulate};
 use raypath_traversal::{self as unit, UnitNetlist, UnitParameters};
-pub use scene::{SceneInput, UnitScene};
+pub use scene::{SceneGeometry, SceneInput, SceneInstance, UnitScene};
 use std::path::Path;
 use user::List;
 
@@ -29,12 +29,12 @@ use user::List;
 ///
 /// let unit = Unit::open("contexts = 8\npreset = \"compact\"")?;
 /// let triangle = Triangle::new([-1.0, -1.0, 3.0], [0.0, 1.0, 3.0], [1.0, -1.0, 3.0]);
-/// let scene = LeafTriangle::to_bytes(&[LeafTriangle { triangle, index: 7 }], NodeKind::Wide4);
-/// let root = Child::Leaf { address: 0, count: 1 }.word(NodeKind::Wide4)?;
+/// let scene = LeafTriangle::to_bytes(&[LeafTriangle { triangle, index: 7 }], 0, NodeKind::Wide4);
+/// let root = Child::Leaf { address: 0, count: 1, is_opaque: true }.word(NodeKind::Wide4)?;
 /// let ray = UnitRay { direction: [0.0, 0.0, 2.0], t_max: f32::INFINITY, root, ..UnitRay::default() };
 /// let mut hits = [UnitHit::default()];
 /// unit.trace(&scene, &[ray], &mut hits)?;
-/// assert_eq!((hits[0].status, hits[0].triangle, hits[0].t), (1, 7, 1.5));
+/// assert_eq!((hits[0].status, hits[0].primitive, hits[0].t), (1, 7, 1.5));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]

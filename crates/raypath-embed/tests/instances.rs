@@ -7,20 +7,24 @@ use raypath_embed::{Unit, UnitHit, UnitRay};
 use raypath_traversal::state::NO_INSTANCE;
 use raypath_traversal::system::MemoryParameters;
 use raypath_traversal::traffic::{TwoLevelScene, random_ray};
-use raypath_traversal::{RayRequest, Unit as Functional};
+use raypath_traversal::{HitInstance, RayRequest, Unit as Functional};
 
 const MEMORY: MemoryParameters = MemoryParameters { latency: 30, bandwidth: None, cache: None };
 
 #[test]
 fn hits_have_the_instances_of_the_functional_model() {
-    let unit = Unit::open("preset = \"compact\"\ncontexts = 8\nbarycentrics = true\ninstances = true").expect("a unit");
+    let unit =
+        Unit::open("preset = \"compact\"\ncontexts = 8\nbarycentrics = true\ninstances = true\nqueries = \"flags\"")
+            .expect("a unit");
     let mut functional = Functional::new(unit.config().semantics.rules, unit.parameters().step);
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let mut count = [0; 3];
     for number in 0..20 {
         let scene = TwoLevelScene::random(6, number % 4 == 3, &mut random);
-        let memory = &scene.blocks.0[..];
-        let rays: Vec<UnitRay> = (0..200).map(|_| of(&random_ray(scene.root, &mut random))).collect();
+        let mut blocks = scene.blocks;
+        let root = blocks.give_geometries(scene.root, &mut random);
+        let memory = &blocks.0[..];
+        let rays: Vec<UnitRay> = (0..200).map(|_| of(&random_ray(root, &mut random))).collect();
         let (mut hits, mut timed) = (vec![UnitHit::default(); 200], vec![UnitHit::default(); 200]);
         unit.trace(memory, &rays, &mut hits).expect("hits");
         unit.simulate(memory, &rays, &MEMORY, &mut timed, &|_| true).expect("the same hits");
@@ -33,8 +37,11 @@ fn hits_have_the_instances_of_the_functional_model() {
                 assert_eq!(*hit, UnitHit { status: hit.status, nodes: hit.nodes, triangles: hit.triangles, ..NOTHING });
                 continue;
             };
-            assert_eq!(hit.instance, expected.instance.unwrap_or(NO_INSTANCE));
-            assert_eq!((hit.triangle, hit.back_face == 1), (expected.triangle, expected.back_face));
+            let none = HitInstance { index: NO_INSTANCE, ..HitInstance::default() };
+            let HitInstance { index, custom_index, shader_offset } = expected.instance.unwrap_or(none);
+            assert_eq!([hit.instance, hit.custom_index, hit.shader_offset], [index, custom_index, shader_offset]);
+            assert_eq!((hit.primitive, hit.geometry), (expected.primitive, expected.geometry));
+            assert_eq!(hit.back_face == 1, expected.back_face);
             let numbers = [hit.t, hit.t_num, hit.t_denom, hit.u, hit.v];
             let [u, v] = expected.barycentric.expect("the feature");
             let expected = [expected.t, expected.t_num, expected.t_denom, u, v];
@@ -48,7 +55,7 @@ fn hits_have_the_instances_of_the_functional_model() {
 
 const NOTHING: UnitHit = UnitHit {
     status: 0,
-    triangle: 0,
+    primitive: 0,
     instance: 0,
     t: 0.0,
     t_num: 0.0,
@@ -58,12 +65,14 @@ const NOTHING: UnitHit = UnitHit {
     back_face: 0,
     nodes: 0,
     triangles: 0,
+    geometry: 0,
+    custom_index: 0,
+    shader_offset: 0,
 };
 
 fn of(ray: &RayRequest) -> UnitRay {
-    let &RayRequest { origin, direction, t_min, t_max, any_hit, cull_back, cull_front, root } = ray;
-    let cull = u32::from(cull_back) + 2 * u32::from(cull_front);
-    UnitRay { origin, direction, t_min, t_max, any_hit: any_hit.into(), cull, root }
+    let &RayRequest { origin, direction, t_min, t_max, flags, cull_mask, root } = ray;
+    UnitRay { origin, direction, t_min, t_max, flags, cull_mask: cull_mask.into(), root }
 }
 
 #[test]

@@ -87,3 +87,34 @@ fn bits_above_an_inputs_width_are_ignored() {
     simulator.settle();
     assert_eq!((simulator.get(out), simulator.get(more)), (5, 5));
 }
+
+/// Gates with constant operands are simplified while a module is built: each has the value that it had.
+#[test]
+fn a_selection_between_constants_has_its_value() {
+    for width in [1, 2] {
+        let m = Builder::new("selection");
+        let select = m.input("select_i", 1);
+        let operands = [m.constant(width, 0), m.constant(width, 1), m.input("a_i", width)];
+        for (t, if_true) in operands.iter().enumerate() {
+            for (f, if_false) in operands.iter().enumerate() {
+                // A constant of its own for each use, as where two parts of a description agree by chance.
+                let copy = |k: usize| if k < 2 { m.constant(width, k as u64) } else { operands[k] };
+                let selected = [select.mux(*if_true, *if_false), select.mux(copy(t), copy(f))];
+                m.output(&format!("out_{t}_{f}_o"), m.concat(&selected));
+            }
+        }
+        let mut simulator = Simulator::new(&m.finish().unwrap()).unwrap();
+        let (select, a) = (simulator.input("select_i").unwrap(), simulator.input("a_i").unwrap());
+        for (is_true, value) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            simulator.set(select, is_true);
+            simulator.set(a, value);
+            simulator.settle();
+            for (t, f) in (0..9).map(|k| (k / 3, k % 3)) {
+                let chosen = if is_true == 1 { t } else { f };
+                let expected = if chosen < 2 { chosen as u64 } else { value };
+                let found = simulator.get(simulator.output(&format!("out_{t}_{f}_o")).unwrap());
+                assert_eq!(found, expected << width | expected, "width {width}, select {is_true}, {t}, {f}");
+            }
+        }
+    }
+}

@@ -79,7 +79,7 @@ pub struct FourTriangles {
     pub t_num: [f32; 4],
     /// The denominators.
     pub t_denom: [f32; 4],
-    /// U and V; 0 without barycentrics.
+    /// V and W; 0 without barycentrics.
     pub edges: [[f32; 4]; 2],
 }
 
@@ -152,7 +152,7 @@ impl OneRay {
         let input =
             RayTriangleExtendedInput { ray: self.ray(self.turned_origin), triangle: self.turn(number), t_min: zero };
         let (outcome, ()) = op.run(self.lanes, input, ());
-        let edges = if op.barycentrics { [outcome.barycentric.u, outcome.barycentric.v] } else { [zero; 2] };
+        let edges = if op.barycentrics { [outcome.barycentric.v, outcome.barycentric.w] } else { [zero; 2] };
         outcomes(outcome.triangle_hit, outcome.t_num, outcome.t_denom, edges)
     }
 

@@ -111,15 +111,15 @@ structures! {
     Ray: "raypath.RAY", ["origin": "(3,)f4" @ 0, "direction": "(3,)f4" @ 12, "inverse": "(3,)f4" @ 24,
         "extent": "f4" @ 36, "shear": "(3,)f4" @ 40, "kx": "u4" @ 52, "ky": "u4" @ 56, "kz": "u4" @ 60];
     UnitRay: "raypath.UNIT_RAY", ["origin": "(3,)f4" @ 0, "direction": "(3,)f4" @ 12, "t_min": "f4" @ 24,
-        "t_max": "f4" @ 28, "any_hit": "u4" @ 32, "cull": "u4" @ 36, "root": "u4" @ 40];
+        "t_max": "f4" @ 28, "flags": "u4" @ 32, "cull_mask": "u4" @ 36, "root": "u4" @ 40];
     // A truth value is a word of 32 bits of value 0 or 1, shown as its least significant byte. Indices are signed, so
     // that -1 is none.
     TriangleResult: "triangle", ["t_num": "f4" @ 0, "t_denom": "f4" @ 4, "triangle_hit": "?" @ 8 + LEAST_BYTE];
     TraceHit: "trace", ["triangle": "i4" @ 0, "t": "f4" @ 4, "t_num": "f4" @ 8, "t_denom": "f4" @ 12,
         "back_face": "?" @ 16 + LEAST_BYTE];
-    UnitHit: "hit", ["status": "u4" @ 0, "triangle": "i4" @ 4, "instance": "i4" @ 8, "t": "f4" @ 12, "t_num": "f4" @ 16,
+    UnitHit: "hit", ["status": "u4" @ 0, "primitive": "i4" @ 4, "instance": "i4" @ 8, "t": "f4" @ 12, "t_num": "f4" @ 16,
         "t_denom": "f4" @ 20, "u": "f4" @ 24, "v": "f4" @ 28, "back_face": "?" @ 32 + LEAST_BYTE, "nodes": "u4" @ 36,
-        "triangles": "u4" @ 40];
+        "triangles": "u4" @ 40, "geometry": "i4" @ 44, "custom_index": "u4" @ 48, "shader_offset": "u4" @ 52];
     QuadboxResult: "quadbox", ["tmin": "(4,)f4" @ 0, "is_intersect": "(4,)?" @ 16, "box_index": "(4,)u1" @ 20];
 }
 

@@ -132,13 +132,14 @@ hits! {
 hits! {
     " The hits of n rays of a ``Unit``."
     ""
-    " A ray without a hit has ``triangle`` -1, ``instance`` -1 and ``t`` infinity; its other values are 0, except for"
-    " ``status``, ``nodes`` and ``triangles``."
+    " A ray without a hit has ``primitive``, ``geometry`` and ``instance`` -1 and ``t`` infinity; its other values are 0,"
+    " except for ``status``, ``nodes`` and ``triangles``."
     UnitHits of UnitHit {
-        " uint32 array of shape (n,): 0 miss, 1 hit, 2 ray refused, 3 error of the memory or of the scene."
+        " uint32 array of shape (n,): a ``UnitStatus``: 0 miss, 1 hit, 3 ray refused, 4 error of the memory, 5 error of"
+        " the scene, 6 limit of work."
         status,
-        " int32 array of shape (n,): the index of the triangle that is hit; -1 for a miss."
-        triangle,
+        " int32 array of shape (n,): the index, in its geometry, of the triangle that is hit; -1 for a miss."
+        primitive,
         " int32 array of shape (n,): with ``instances``, the index of the triangle's instance; -1 for a triangle in no"
         " instance, and for a miss."
         instance,
@@ -146,12 +147,13 @@ hits! {
         t,
         " float32 array of shape (n,): the numerator of the distance."
         t_num,
-        " float32 array of shape (n,): the denominator of the distance; negative for a back face."
+        " float32 array of shape (n,): the denominator of the distance; negative if the vertices run clockwise as the"
+        " ray's origin sees them."
         t_denom,
-        " float32 array of shape (n,): with ``barycentrics``, the weight of the triangle's first vertex at the hit; 0"
-        " otherwise. The weights of the three vertices add up to 1."
+        " float32 array of shape (n,): with ``barycentrics``, the weight of the triangle's second vertex at the hit;"
+        " 0 otherwise. The weights of the three vertices add up to 1."
         u,
-        " float32 array of shape (n,): with ``barycentrics``, the weight of the second vertex."
+        " float32 array of shape (n,): with ``barycentrics``, the weight of the third vertex."
         v,
         " bool array of shape (n,): whether the ray hits the triangle from behind."
         back_face,
@@ -159,6 +161,13 @@ hits! {
         nodes,
         " uint32 array of shape (n,): the triangles that the ray has read."
         triangles,
+        " int32 array of shape (n,): the index of the triangle's geometry; -1 for a miss."
+        geometry,
+        " uint32 array of shape (n,): with ``instances`` and ``queries``, the custom index of the instance; 0 otherwise."
+        custom_index,
+        " uint32 array of shape (n,): with ``instances`` and ``queries``, the offset of the instance into the shader table;"
+        " 0 otherwise."
+        shader_offset,
     }
 }
 

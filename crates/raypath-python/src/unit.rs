@@ -1,6 +1,6 @@
 //! The classes `Unit` and `UnitScene`.
 
-use crate::array::{Output, items, items_like};
+use crate::array::{Output, item, items, items_like};
 use crate::config::{Around, chosen, toml};
 use crate::error::{exception, value_error};
 use crate::hits::UnitHits;
@@ -8,9 +8,9 @@ use crate::tables::row;
 use crate::watch::{abandoned_at_signals, watched};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyList, PyTuple};
 use rayon::prelude::*;
-use raypath_embed::{self as embed, SceneInput, UnitHit, UnitRay, Vertices};
+use raypath_embed::{self as embed, SceneGeometry, SceneInput, SceneInstance, UnitHit, UnitRay, Vertices};
 use raypath_render::Bounds;
 use raypath_rtl::Config;
 use raypath_rtl::report::picture;
@@ -30,8 +30,9 @@ use std::sync::Arc;
 ///     preset: the name of a configuration of the datapath, as for ``Datapath``. Distance operations are left out.
 ///     config: in place of a preset, the path of a TOML file, or its text, which contains "=".
 ///     flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
-///         ``node``, ``memory_width``, ``id_width``, ``divider_latency``, and those of the datapath. ``instances=True``
-///         for scenes of two levels.
+///         ``node``, ``memory_width``, ``id_width``, ``divider_latency``, ``front``, and those of the datapath.
+///         ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
+///         masks and flags of instances.
 ///
 /// Raises:
 ///     ValueError: a value that a flag does not have; a datapath that the unit does not have.
@@ -90,16 +91,18 @@ impl Unit {
     ///
     /// Args:
     ///     triangles: float32 array of shape (n, 3, 3): three vertices for each triangle, counter-clockwise as seen
-    ///         from its front, with finite coordinates of magnitude at most 2**40.
+    ///         from its front, with finite coordinates of magnitude at most 2**40. Or a list of ``raypath.Geometry``,
+    ///         for a unit with ``queries``.
     ///     reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further
     ///         away may lose hits at the edges of boxes. 16 times the longest side of the scene by default.
     ///     instances: the places of the triangles in the scene, for a unit with ``instances``: a float64 array of shape
     ///         (m, 3, 4), an affine matrix from the triangles to the scene for each place. The last number of each row
-    ///         is the translation, and numbers have a magnitude of at most 2**40.
+    ///         is the translation, and numbers have a magnitude of at most 2**40. Or a list of ``raypath.Instance``.
     ///
     /// Raises:
     ///     ValueError: another type or shape; a coordinate out of range; no triangle, or too many; no instance, one
-    ///         that is too far away, a matrix without an inverse, or a unit without ``instances``.
+    ///         that is too far away, a matrix without an inverse, or a unit without ``instances`` or ``queries`` that
+    ///         the scene needs.
     #[pyo3(signature = (triangles, *, reach = None, instances = None))]
     fn scene(
         &self,
@@ -108,14 +111,34 @@ impl Unit {
         reach: Option<f32>,
         instances: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<UnitScene> {
-        let corners = items::<Vertices>(triangles, "triangles")?;
-        let count = u32::try_from(3 * corners.len()).map_err(|_| {
-            value_error(format!("triangles: found {}, expected at most {}", corners.len(), u32::MAX / 3))
-        })?;
+        let (mut vertices, mut geometries) = (Vec::new(), Vec::new());
+        let mut add = |triangles: &Bound<'_, PyAny>, name: &str| -> PyResult<u32> {
+            let corners = items::<Vertices>(triangles, name)?;
+            vertices.extend(corners.iter().flat_map(|&Vertices { a, b, c }| [a, b, c]));
+            let most = u32::MAX / 3;
+            let problem = || value_error(format!("{name}: found {}, expected at most {most}", vertices.len() / 3));
+            let in_all = u32::try_from(vertices.len()).map_err(|_| problem())?;
+            Ok(in_all / 3)
+        };
+        if let Ok(list) = triangles.cast::<PyList>() {
+            let mut before = 0;
+            for (index, geometry) in list.iter().enumerate() {
+                let name = format!("triangles of geometry {index}");
+                let geometry = of_class(&geometry, "Geometry", &format!("triangles: item {index}"))?;
+                let (triangles, is_opaque) = (geometry.getattr("triangles")?, geometry.getattr("opaque")?.is_truthy()?);
+                let in_all = add(&triangles, &name)?;
+                geometries.push(SceneGeometry { triangles: in_all - before, non_opaque: (!is_opaque).into() });
+                before = in_all;
+            }
+        } else {
+            add(triangles, "triangles")?;
+        }
+        let faces = vertices.len() as u32 / 3;
         let input = SceneInput {
-            vertices: corners.iter().flat_map(|&Vertices { a, b, c }| [a, b, c]).collect(),
-            triangles: (0..count / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
-            instances: instances.map(|matrices| Ok::<_, PyErr>(items(matrices, "instances")?.to_vec())).transpose()?,
+            vertices,
+            triangles: (0..faces).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
+            geometries,
+            instances: instances.map(instances_of).transpose()?,
             reach,
         };
         let unit = self.inner.clone();
@@ -132,11 +155,11 @@ impl Unit {
     ///     rays: rays of ``scene.rays``.
     ///
     /// Returns:
-    ///     n hits with the attributes ``status``, ``triangle``, ``t`` and others, each of shape (n,). They have the
+    ///     n hits with the attributes ``status``, ``primitive``, ``t`` and others, each of shape (n,). They have the
     ///     bits of the hardware, for any memory and any number of contexts. All cores work on them.
     ///
     /// Raises:
-    ///     ValueError: another type or shape; a ray with a ``cull`` above 3.
+    ///     ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
     ///     KeyboardInterrupt: after Ctrl-C.
     ///
     /// Warns:
@@ -269,6 +292,37 @@ impl Unit {
     }
 }
 
+/// The object, if it is of this class of the package.
+fn of_class<'py>(object: &Bound<'py, PyAny>, class: &str, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let py = object.py();
+    if object.is_instance(&py.import("raypath")?.getattr(class)?)? {
+        return Ok(object.clone());
+    }
+    Err(value_error(format!("{name}: found {}, expected a raypath.{class}", object.get_type().name()?)))
+}
+
+/// Instances from matrices, or from objects with their fields.
+fn instances_of(instances: &Bound<'_, PyAny>) -> PyResult<Vec<SceneInstance>> {
+    let Ok(list) = instances.cast::<PyList>() else {
+        return Ok(items(instances, "instances")?.iter().copied().map(SceneInstance::of).collect());
+    };
+    let instance = |(index, instance): (usize, Bound<'_, PyAny>)| {
+        let instance = of_class(&instance, "Instance", &format!("instances: item {index}"))?;
+        let number = |field: &str| -> PyResult<u32> {
+            let value = instance.getattr(field)?;
+            value.extract().map_err(|_| value_error(format!("instance {index}: {field} is {value}, expected a number")))
+        };
+        Ok(SceneInstance {
+            matrix: item(&instance.getattr("matrix")?, &format!("matrix of instance {index}"))?,
+            custom_index: number("custom_index")?,
+            mask: number("mask")?,
+            shader_offset: number("shader_offset")?,
+            flags: number("flags")?,
+        })
+    };
+    list.iter().enumerate().map(instance).collect()
+}
+
 /// The rays that a core traces at once.
 const PIECE: usize = 1 << 8;
 
@@ -283,7 +337,7 @@ pub fn shown(hit: UnitHit) -> UnitHit {
     if hit.status == status::HIT {
         return hit;
     }
-    UnitHit { triangle: u32::MAX, instance: NO_INSTANCE, t: f32::INFINITY, ..hit }
+    UnitHit { primitive: u32::MAX, geometry: u32::MAX, instance: NO_INSTANCE, t: f32::INFINITY, ..hit }
 }
 
 /// A scene in memory, as a ``Unit`` reads it.
@@ -380,24 +434,25 @@ impl UnitScene {
     /// Rays as the unit takes them, for this scene.
     ///
     /// Directions of any length are allowed, and distances are in units of it. The unit refuses a ray with a direction
-    /// that cannot be inverted, a value that is not finite, or a negative ``t_min``: its hit has the status 2.
+    /// that cannot be inverted, a value that is not finite, or a negative ``t_min``: its hit has the status 3, as has
+    /// that of a ray whose flags have no meaning together.
     ///
     /// Args:
     ///     origins: float32 array of shape (n, 3).
     ///     directions: float32 array of shape (n, 3).
-    ///     t_min: the least distance of a hit.
-    ///     t_max: the greatest distance of a hit; infinity reaches everything.
-    ///     any_hit: whether a ray ends at the first block of triangles with a hit.
-    ///     cull: the faces that are not hit: "none", "back", "front" or "both".
+    ///     t_min: hits count beyond this distance.
+    ///     t_max: hits count below this distance; infinity reaches everything.
+    ///     flags: ``raypath.RayFlags``.
+    ///     cull_mask: 8 bits; with ``instances`` and ``queries``, instances count whose mask has one of them.
     ///
     /// Returns:
     ///     A structured array of shape (n,) with the fields of the C structure ``raypath_unit_ray``: ``origin``,
-    ///     ``direction``, ``t_min``, ``t_max``, ``any_hit``, ``cull`` (1 back, 2 front, 3 both) and ``root``. A field
-    ///     can be changed for each ray.
+    ///     ``direction``, ``t_min``, ``t_max``, ``flags``, ``cull_mask`` and ``root``. A field can be changed for each
+    ///     ray.
     ///
     /// Raises:
-    ///     ValueError: another type or shape; another ``cull``.
-    #[pyo3(signature = (origins, directions, *, t_min = 0.0, t_max = f32::INFINITY, any_hit = false, cull = "none"))]
+    ///     ValueError: another type or shape.
+    #[pyo3(signature = (origins, directions, *, t_min = 0.0, t_max = f32::INFINITY, flags = 0, cull_mask = 255))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn rays<'py>(
         &self,
@@ -406,18 +461,15 @@ impl UnitScene {
         directions: &Bound<'py, PyAny>,
         t_min: f32,
         t_max: f32,
-        any_hit: bool,
-        cull: &str,
+        flags: u32,
+        cull_mask: u32,
     ) -> PyResult<Bound<'py, PyAny>> {
         let origins = items::<[f32; 3]>(origins, "origins")?;
         let directions = items_like::<[f32; 3]>(directions, "directions", origins.len(), "origins")?;
-        let Some(cull) = ["none", "back", "front", "both"].iter().position(|name| *name == cull) else {
-            return Err(value_error(format!("cull: found '{cull}', expected none, back, front or both")));
-        };
-        let (any_hit, cull, root) = (any_hit.into(), cull as u32, self.root);
+        let root = self.root;
         let mut output = Output::new::<UnitRay>(py, origins.len())?;
         for (ray, (&origin, &direction)) in output.items()?.iter_mut().zip(origins.iter().zip(directions.iter())) {
-            *ray = UnitRay { origin, direction, t_min, t_max, any_hit, cull, root };
+            *ray = UnitRay { origin, direction, t_min, t_max, flags, cull_mask, root };
         }
         Ok(output.into_array())
     }

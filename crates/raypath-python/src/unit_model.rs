@@ -315,10 +315,23 @@ impl UnitOutputs {
     #[getter]
     fn hit<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some((_, hit)) = self.0.hit else { return Ok(None) };
-        let UnitHit { status, triangle, instance, t, t_num, t_denom, u, v, back_face, nodes, triangles } = shown(hit);
-        let (triangle, instance) = (triangle.cast_signed(), instance.cast_signed());
-        let row = row!(py, "status": status, "triangle": triangle, "instance": instance, "t": t, "t_num": t_num,
-            "t_denom": t_denom, "u": u, "v": v, "back_face": back_face == 1, "nodes": nodes, "triangles": triangles)?;
+        let hit = shown(hit);
+        let row = row!(py,
+            "status": hit.status,
+            "primitive": hit.primitive.cast_signed(),
+            "instance": hit.instance.cast_signed(),
+            "t": hit.t,
+            "t_num": hit.t_num,
+            "t_denom": hit.t_denom,
+            "u": hit.u,
+            "v": hit.v,
+            "back_face": hit.back_face == 1,
+            "nodes": hit.nodes,
+            "triangles": hit.triangles,
+            "geometry": hit.geometry.cast_signed(),
+            "custom_index": hit.custom_index,
+            "shader_offset": hit.shader_offset,
+        )?;
         Ok(Some(row))
     }
 

@@ -145,9 +145,9 @@ def test_hits_are_rows() -> None:
     unit = raypath.Unit("compact")
     memory = unit.scene(TRIANGLE[None])
     hits = unit.trace(memory, memory.rays(f32([[0, 0, 4], [9, 0, 4]]), f32([[0, 0, -1], [0, 0, -1]])))
-    assert (len(hits), [hit["triangle"] for hit in hits]) == (2, [0, -1])
+    assert (len(hits), [hit["primitive"] for hit in hits]) == (2, [0, -1])
     assert (hits["t"].tolist(), hits[0]["t"], hits[1]["t"]) == ([4, np.inf], 4, np.inf)
-    assert (len(hits[1:]), hits[hits.triangle >= 0].triangle.tolist()) == (1, [0])
+    assert (len(hits[1:]), hits[hits.primitive >= 0].primitive.tolist()) == (1, [0])
     assert pandas.DataFrame(hits.array)["t"].tolist() == [4, np.inf]
     with pytest.raises(IndexError):
         hits[2]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import raypath
 
 Float32 = NDArray[np.float32]
+BACK, FRONT = raypath.RayFlags.CULL_BACK_FACING_TRIANGLES, raypath.RayFlags.CULL_FRONT_FACING_TRIANGLES
 
 
 @pytest.fixture(scope="module")
@@ -51,21 +52,21 @@ def test_trace(unit: raypath.Unit, scene: raypath.UnitScene, mesh: Mesh) -> None
     assert clear.mean() > 0.8
     assert 0.2 < hit.mean() < 0.9
     inside_out = unit.scene(mesh[0][mesh[1]][:, ::-1].copy())
-    for memory, cull, is_back in [(scene, "back", False), (inside_out, "front", True)]:
-        hits = unit.trace(memory, memory.rays(origins, directions, cull=cull))  # type: ignore[arg-type]
+    for memory, flags, is_back in [(scene, BACK, False), (inside_out, FRONT, True)]:
+        hits = unit.trace(memory, memory.rays(origins, directions, flags=flags))
         np.testing.assert_array_equal(hits.status[clear], hit[clear])
         chosen = clear & hit
-        np.testing.assert_array_equal(hits.triangle[chosen], triangle[chosen])
+        np.testing.assert_array_equal(hits.primitive[chosen], triangle[chosen])
         np.testing.assert_allclose(hits.t[chosen], t[chosen], rtol=1e-3)
         np.testing.assert_array_equal(hits.t[chosen], hits.t_num[chosen] / hits.t_denom[chosen])
         assert (hits.back_face[chosen] == is_back).all()
         corners = mesh[0][mesh[1]].astype(np.float64)[triangle[chosen]][:, :: -1 if is_back else 1]
-        weights = np.stack([hits.u, hits.v, 1 - hits.u - hits.v], axis=1)[chosen]
+        weights = np.stack([1 - hits.u - hits.v, hits.u, hits.v], axis=1)[chosen]
         points = (origins + t[:, None] * directions)[chosen]
         np.testing.assert_allclose((weights[:, :, None] * corners).sum(1), points, atol=1e-3)
         assert (hits.t_denom[chosen] < 0).all() == is_back
         assert np.isinf(hits.t[hits.status == 0]).all()
-        assert (hits.triangle[hits.status == 0] == -1).all()
+        assert (hits.primitive[hits.status == 0] == -1).all()
         assert len(hits) == 2000
 
 
@@ -76,14 +77,14 @@ def test_fields_of_rays() -> None:
     rays = scene.rays(np.tile(f32([0, 0, 4]), (7, 1)), np.tile(f32([0, 0, -2]), (7, 1)), t_max=10)
     rays["t_min"][1] = 1.5
     rays["t_max"][2] = 0.5
-    rays["cull"][3] = 2
-    rays["any_hit"][4] = 1
+    rays["flags"][3] = FRONT
+    rays["flags"][4] = raypath.RayFlags.TERMINATE_ON_FIRST_HIT
     rays["direction"][5] = 0
     rays["t_min"][6] = -1
     hits = unit.trace(scene, rays)
-    assert hits.status.tolist() == [1, 1, 0, 0, 1, 2, 2]
+    assert hits.status.tolist() == [1, 1, 0, 0, 1, 3, 3]
     assert hits.t.tolist()[:4] == [1, 2, np.inf, np.inf]
-    assert hits.triangle.tolist()[:2] == [1, 0]
+    assert hits.primitive.tolist()[:2] == [1, 0]
     assert not hits.u.any()
     small = raypath.Unit(node="quantised")
     assert small.parameters["node"] == "quantised"
@@ -94,7 +95,7 @@ def test_fields_of_rays() -> None:
     with pytest.warns(UserWarning, match="7 rays begin 4000 away"):
         unit.trace(scene, scene.rays(np.tile(f32([0, 0, 4000]), (7, 1)), np.tile(f32([0, 0, -2]), (7, 1))))
     beyond = raypath.UnitScene(b"", scene.root)
-    assert unit.trace(beyond, rays[:1]).status.tolist() == [3]
+    assert unit.trace(beyond, rays[:1]).status.tolist() == [raypath.UnitStatus.MEMORY]
     again = raypath.UnitScene(scene.data, scene.root)
     np.testing.assert_array_equal(unit.trace(again, rays).array, hits.array)
 
@@ -216,7 +217,7 @@ def test_simulation(unit: raypath.Unit, scene: raypath.UnitScene) -> None:
 def test_parameters(unit: raypath.Unit) -> None:
     """Keywords and TOML set the same parameters."""
     numbers_of = {"contexts": 8, "stack": 2, "memory_width": 256, "id_width": 12, "divider_latency": 11}
-    expected = {**numbers_of, "node": "wide4", "instances": False}
+    expected = {**numbers_of, "node": "wide4", "instances": False, "queries": "none", "front": "counter-clockwise"}
     assert unit.parameters == expected
     lines = ["contexts = 8", "stack = 2", "memory-width = 256", "id-width = 12", "barycentrics = true"]
     toml = raypath.Unit(config='preset = "compact"\n' + "\n".join(lines))
@@ -265,13 +266,13 @@ def test_instances(mesh: Mesh) -> None:
     """Hits of instances have the bits of those of all their triangles as one mesh, by both models."""
     triangles, flat, origins, directions = two_levels(mesh)
     scene, expected_scene = TWO_LEVELS.scene(triangles, instances=PLACES), TWO_LEVELS.scene(flat)
-    rays, expected_rays = (memory.rays(origins, directions, cull="back") for memory in (scene, expected_scene))
+    rays, expected_rays = (memory.rays(origins, directions, flags=BACK) for memory in (scene, expected_scene))
     hits, expected = TWO_LEVELS.trace(scene, rays), TWO_LEVELS.trace(expected_scene, expected_rays)
     hit = hits.status == 1
     assert 0.2 < hit.mean() < 0.9
     assert (np.bincount(hits.instance[hit]) > 20).all()
     np.testing.assert_array_equal(hits.status, expected.status)
-    np.testing.assert_array_equal((hits.instance * 100 + hits.triangle)[hit], expected.triangle[hit])
+    np.testing.assert_array_equal((hits.instance * 100 + hits.primitive)[hit], expected.primitive[hit])
     for name in ("t", "t_num", "t_denom", "back_face"):
         np.testing.assert_array_equal(hits.array[name], expected.array[name])
     assert (hits.instance[~hit] == -1).all()
@@ -284,11 +285,53 @@ def test_instances(mesh: Mesh) -> None:
     np.testing.assert_array_equal(TWO_LEVELS.trace(near, rays).t, hits.t)
 
 
+def test_queries() -> None:
+    """Geometries that are opaque or not and have indices; masks, flags and indices of instances."""
+    unit = raypath.Unit("compact", instances=True, queries="flags", barycentrics=True)
+    assert (unit.parameters["queries"], unit.parameters["front"]) == ("flags", "counter-clockwise")
+    depths = [TRIANGLE + f32([0, 0, z]) for z in (0, 1, 2)]
+    inactive = depths[1].copy()
+    inactive[0, 1, 0] = np.nan
+    leaves = raypath.Geometry(np.concatenate([inactive, depths[2]]), opaque=False)
+    objects = [
+        raypath.Instance(PLACES[0], custom_index=7, mask=1, shader_offset=9),
+        raypath.Instance(PLACES[0], mask=2, flags=raypath.InstanceFlags.FORCE_OPAQUE),
+    ]
+    scene = unit.scene([raypath.Geometry(depths[0]), leaves], instances=objects)
+    flags = raypath.RayFlags
+    rays = scene.rays(np.tile(f32([0.25, -0.5, 4]), (6, 1)), np.tile(f32([0, 0, -2]), (6, 1)))
+    rays["flags"] = [
+        0,
+        flags.CULL_NO_OPAQUE,
+        flags.CULL_NO_OPAQUE,
+        flags.CULL_OPAQUE,
+        flags.OPAQUE | flags.NO_OPAQUE,
+        0,
+    ]
+    rays["cull_mask"] = [1, 1, 2, 3, 3, 4]
+    hits = unit.trace(scene, rays)
+    assert hits.status.tolist() == [1, 1, 1, 1, raypath.UnitStatus.REFUSED, raypath.UnitStatus.MISS]
+    assert hits.t.tolist()[:4] == [1, 2, 1, 1]
+    assert hits.geometry.tolist() == [1, 0, 1, 1, -1, -1]
+    # The first of the second geometry is inactive, and counts.
+    assert hits.primitive.tolist() == [1, 0, 1, 1, -1, -1]
+    assert hits.instance.tolist() == [0, 0, 1, 0, -1, -1]
+    assert hits.custom_index.tolist() == [7, 7, 0, 7, 0, 0]
+    assert hits.shader_offset.tolist() == [9, 9, 0, 9, 0, 0]
+    # u is the weight of the second vertex, v that of the third.
+    np.testing.assert_allclose([hits.u[0], hits.v[0]], [0.5, 0.25])
+    timed, _ = unit.simulate(scene, rays, latency=5)
+    np.testing.assert_array_equal(timed.array, hits.array)
+    clockwise = raypath.Unit("compact", front="clockwise")
+    plain = clockwise.scene(TRIANGLE)
+    assert clockwise.trace(plain, plain.rays(f32([[0, 0, 4]]), f32([[0, 0, -2]]))).back_face.tolist() == [True]
+
+
 def test_instances_of_the_command(mesh: Mesh, tmp_path: Path) -> None:
     """``scene --instances`` writes the bytes of ``Unit.scene``, and ``render`` finds the hits of ``Unit.trace``."""
     triangles, _, origins, directions = two_levels(mesh)
     scene = TWO_LEVELS.scene(triangles, instances=PLACES)
-    hits = TWO_LEVELS.trace(scene, scene.rays(origins, directions, cull="back"))
+    hits = TWO_LEVELS.trace(scene, scene.rays(origins, directions, flags=BACK))
     corners = triangles.reshape(-1, 3).astype(np.float64).tolist()
     faces = np.arange(1, len(corners) + 1).reshape(-1, 3).tolist()
     obj = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in faces]
@@ -307,7 +350,7 @@ def test_instances_of_the_command(mesh: Mesh, tmp_path: Path) -> None:
     lines = [line.split() for line in (tmp_path / "hits.txt").read_text().splitlines() if not line.startswith("#")]
     names = [words[0] for words in lines]
     is_hit = hits.status == 1
-    both = zip(hits.triangle.tolist(), hits.instance.tolist(), is_hit.tolist())
+    both = zip(hits.primitive.tolist(), hits.instance.tolist(), is_hit.tolist())
     assert names == [f"{triangle}@{instance}" if hit else "miss" for triangle, instance, hit in both]
     bits = [[int(word, 16) for word in words[4:]] for words in lines if words != ["miss"]]
     values = np.stack([hits.t, hits.t_num, hits.t_denom], axis=1)[is_hit]
@@ -346,15 +389,23 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
         lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=PLACES.astype(complex)),
         r"instances: found a complex128 array",
     ),
+    (lambda unit: unit.scene([1]), r"triangles: item 0: found int, expected a raypath.Geometry"),
+    (
+        lambda unit: unit.scene([raypath.Geometry(TRIANGLE, opaque=False)]),
+        r"geometries .* the unit has queries none, expected flags",
+    ),
+    (
+        lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=[raypath.Instance(PLACES[0], mask=256)]),
+        r"instance 0: mask is 256, expected 0 to 255",
+    ),
     (lambda unit: unit.scene(ONES), r"triangles: found .* expected .* \(n, 3, 3\)"),
     (lambda unit: unit.scene(np.zeros((0, 3, 3), np.float32)), r"0 triangles, expected at least 1"),
     (lambda unit: unit.scene(np.full((1, 3, 3), np.nan, np.float32)), r"vertex 0 has x = NaN"),
     (lambda unit: unit.scene(np.zeros((1, 3, 3), np.float32), reach=-1), r"reach: found -1"),
     (lambda unit: SCENE.rays(ONES, ONES[:1]), r"directions: found shape \(1, 3\), expected \(2, 3\)"),
-    (lambda unit: SCENE.rays(ONES, ONES, cull="side"), r"cull: found 'side', expected none, back"),
     (lambda unit: unit.trace(SCENE, ONES), r"rays: found .* expected .* raypath.UNIT_RAY"),
-    (lambda unit: unit.trace(SCENE, culled(4)), r"ray 1: cull is 4, expected 0 to 3"),
-    (lambda unit: unit.simulate(SCENE, culled(5)), r"ray 1: cull is 5"),
+    (lambda unit: unit.trace(SCENE, changed("flags", 1024)), r"ray 1: flags is 1024, expected 0 to 1023"),
+    (lambda unit: unit.simulate(SCENE, changed("cull_mask", 256)), r"ray 1: cull_mask is 256"),
     (lambda unit: unit.simulate(SCENE, RAYS, latency=0), r"latency of 0 cycles, expected 1 to 1000000"),
     (lambda unit: unit.simulate(SCENE, RAYS, bandwidth=0), r"0 bytes a cycle, expected 1 to 65536"),
     (lambda unit: unit.simulate(SCENE, RAYS, cache=100), r"a cache of 100 bytes"),
@@ -367,10 +418,10 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
 ]
 
 
-def culled(cull: int) -> Any:
-    """Two rays, the second of which names faces in this way."""
+def changed(field: str, value: int) -> Any:
+    """Two rays, the second of which has this value in a field."""
     rays = RAYS.copy()
-    rays["cull"][1] = cull
+    rays[field][1] = value
     return rays
 
 

@@ -68,15 +68,15 @@ pub struct Counts {
 /// Rays that the traversal unit ended with an error, by status: what they hit is not known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Error)]
 #[error(
-    "what {} rays hit is not known: the traversal unit ended {failed} with status 3 (an instance makes the direction \
-     too short to invert, or the ray visits more than 2^24 nodes or triangles) and refused {refused} with status 2",
+    "what {} rays hit is not known: the traversal unit ended {failed} with an error (an instance makes the direction \
+     too short to invert, or the ray visits more than 2^24 nodes or triangles) and refused {refused}",
     failed + refused
 )]
 pub struct UnitErrors {
-    /// Status 2: the direction cannot be inverted, or a value is not finite.
+    /// Refused: the direction cannot be inverted, or a value is not finite.
     pub refused: u64,
-    /// Status 3: an instance makes the direction too short to invert, the memory reported an error, or the scene is not
-    /// a tree that the unit reads.
+    /// An instance makes the direction too short to invert, the memory reported an error, or the scene is not a tree
+    /// that the unit reads.
     pub failed: u64,
 }
 
@@ -99,7 +99,7 @@ pub struct Stopped;
 impl UnitErrors {
     /// The error of a ray that ends with this status, if it is one.
     pub(crate) fn of(status: u32) -> Self {
-        Self { refused: (status == status::REFUSED).into(), failed: (status == status::ERROR).into() }
+        Self { refused: (status == status::REFUSED).into(), failed: (status >= status::MEMORY).into() }
     }
 
     /// These and others.

@@ -16,7 +16,7 @@ use raypath_render::{
 use raypath_timing::Sample;
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::system::{CacheParameters, MemoryParameters};
-use raypath_traversal::{RayRequest, StepParameters, Unit, UnitParameters};
+use raypath_traversal::{RayRequest, StepParameters, Unit, UnitParameters, ray_flags};
 use std::path::Path;
 
 /// Hits of front faces are the same in every bit.
@@ -113,7 +113,7 @@ fn rays_that_the_unit_ends_with_an_error_are_errors() {
     let camera = Camera::framing_instances(scene.mesh(), &place, 1.0);
     let picture = render(&scene, &camera, (4, 4), &Shading::default(), &|_| true);
     assert!(picture.is_ok(), "rays of a camera are long enough");
-    assert!(errors.to_string().starts_with("what 1 rays hit is not known: the traversal unit ended 1 with status 3"));
+    assert!(errors.to_string().starts_with("what 1 rays hit is not known: the traversal unit ended 1 with an error"));
 }
 
 /// The closest triangle, and its distance, among the jobs of all triangles.
@@ -212,14 +212,13 @@ fn every_stack_gives_the_same_hits() {
                     direction: ray.dir.into(),
                     t_min: 0.0,
                     t_max: ray.extent.into(),
-                    any_hit: false,
-                    cull_back: true,
-                    cull_front: false,
+                    flags: ray_flags::CULL_BACK_FACING_TRIANGLES,
                     root: blocks.root(),
+                    ..RayRequest::NONE
                 };
                 let reply = unit.trace(blocks.bytes(), &request);
                 let (hit, best) =
-                    (reply.hit.map(|hit| (hit.triangle, hit.t)), expected.map(|hit| (hit.triangle, hit.t)));
+                    (reply.hit.map(|hit| (hit.primitive, hit.t)), expected.map(|hit| (hit.triangle, hit.t)));
                 assert_eq!(hit, best, "{name}, stack of {stack}, {ray:?}");
                 let more = u64::from(reply.nodes) - tracer.counts().nodes;
                 repeated += more;

@@ -8,7 +8,7 @@ use raypath_rtl::Config;
 use raypath_tools::{Options, Sources, ToolError, Verilated};
 use raypath_traversal::traffic::{Behaviour, Environment, RecordedEngine};
 use raypath_traversal::{
-    NetlistEngine, RayRequest, Unit, UnitModel, UnitNetlist, UnitOutputs, UnitParameters, outputs_of,
+    NetlistEngine, RayRequest, Unit, UnitModel, UnitNetlist, UnitOutputs, UnitParameters, UnitPorts, ray_flags,
 };
 use std::sync::mpsc;
 
@@ -60,6 +60,14 @@ struct Subject {
     rays: Vec<RayRequest>,
 }
 
+/// The faces that are not hit.
+const CULLS: [u32; 4] = [
+    0,
+    ray_flags::CULL_BACK_FACING_TRIANGLES,
+    ray_flags::CULL_FRONT_FACING_TRIANGLES,
+    ray_flags::SKIP_CLOSEST_HIT_SHADER,
+];
+
 impl Subject {
     /// So many rays of each kind. Every third ray wants any hit, and each culls other faces.
     fn new(name: &'static str, mesh: &Mesh, count: usize) -> Self {
@@ -71,10 +79,9 @@ impl Subject {
             direction: ray.dir.into(),
             t_min: if number % 5 == 4 { f32::from(ray.extent).min(1.0) / 2.0 } else { 0.0 },
             t_max: ray.extent.into(),
-            any_hit: number % 3 == 2,
-            cull_back: number % 4 == 1,
-            cull_front: number % 4 == 2,
+            flags: [0, 0, ray_flags::TERMINATE_ON_FIRST_HIT][number % 3] | CULLS[number % 4],
             root: blocks.root(),
+            ..RayRequest::NONE
         };
         let rays = all.enumerate().map(request).collect();
         Self { name, scene: blocks.bytes().to_vec(), rays }
@@ -104,11 +111,12 @@ fn in_verilator(
 ) -> Result<usize, ToolError> {
     let model = RecordedEngine::new(UnitModel::of(unit), &unit.top);
     let netlist = NetlistEngine::new(unit).expect("a simulation");
+    let ports = UnitPorts::of(&unit.top);
     let (sender, outputs) = mpsc::channel();
     let mut cycles = 0;
     verilated.run_randomly(1, Frames { environment, model, netlist, sender }, |cycle, found| {
         let expected = outputs.recv().expect("the outputs of the model");
-        assert_eq!(Some(outputs_of(found)), expected, "cycle {cycle}");
+        assert_eq!(Some(ports.outputs(found)), expected, "cycle {cycle}");
         cycles = cycle + 1;
     })?;
     Ok(cycles)

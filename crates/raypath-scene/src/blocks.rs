@@ -1,12 +1,12 @@
 //! A scene as the traversal unit reads it from memory.
 
 use crate::bvh::{Bvh4, Node, Reference, Target, padded};
-use crate::mesh::Bounds;
+use crate::mesh::{Bounds, TrianglePlace};
 use crate::placement::Placement;
 use raypath_ops::{Aabb, Binary32, Ray};
 use raypath_traversal::blocks::quantised::BoxError;
 use raypath_traversal::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBlock, NodeKind};
-use raypath_traversal::{LEVELS, RayRequest, UnitFeatures};
+use raypath_traversal::{LEVELS, Queries, RayRequest, UnitFeatures, ray_flags};
 use thiserror::Error;
 
 /// A scene in memory: the blocks of [`raypath_traversal::blocks`] from address 0 on. The nodes come first, the root at
@@ -76,9 +76,12 @@ impl Blocks {
                     Target::Leaf { first, count } => {
                         let address = first_leaf + leaves.len() as u32;
                         let slots = first..first + count;
-                        let triangle = |slot| LeafTriangle { triangle: *bvh.triangle(slot), index: bvh.index(slot) };
-                        leaves.extend(LeafTriangle::to_bytes(&slots.map(triangle).collect::<Vec<_>>(), kind));
-                        Child::Leaf { address, count }
+                        let triangle =
+                            |slot| LeafTriangle { triangle: *bvh.triangle(slot), index: bvh.place(slot).primitive };
+                        let TrianglePlace { geometry, .. } = bvh.place(first);
+                        let triangles: Vec<_> = slots.map(triangle).collect();
+                        leaves.extend(LeafTriangle::to_bytes(&triangles, geometry, kind));
+                        Child::Leaf { address, count, is_opaque: bvh.geometries()[geometry as usize] }
                     }
                 };
                 // Addresses are multiples of a block and leaves have 1 to 8 triangles, so the word is valid.
@@ -95,7 +98,9 @@ impl Blocks {
         }
         nodes.extend(leaves);
         let root = Child::Node { address: 0 }.word(kind).unwrap_or(0);
-        Ok(Self { bytes: nodes, nodes: kind, root, features: UnitFeatures::OFF })
+        let needs_flags = bvh.geometries() != [true];
+        let queries = if needs_flags { Queries::Flags } else { Queries::None };
+        Ok(Self { bytes: nodes, nodes: kind, root, features: UnitFeatures { queries, ..UnitFeatures::OFF } })
     }
 
     /// The blocks of instances of an object, each with its padded box in the scene.
@@ -113,7 +118,11 @@ impl Blocks {
         let mut parts: Vec<Part> = Vec::with_capacity(placed.len());
         for (index, (placement, bounds, pad)) in (0..).zip(placed) {
             let word = Child::Instance { address: blocks.bytes.len() as u32 }.word(NodeKind::Wide4).unwrap_or(0);
-            blocks.bytes.extend(placement.instance(object, index).to_bytes());
+            let instance = placement.instance(object, index);
+            if (instance.mask, instance.custom_index, instance.shader_offset, instance.flags) != (u8::MAX, 0, 0, 0) {
+                blocks.features.queries = Queries::Flags;
+            }
+            blocks.bytes.extend(instance.to_bytes());
             let centre = bounds.centre();
             parts.push(Part { word, centre, aabb: padded(*bounds, *pad), levels });
         }
@@ -170,15 +179,16 @@ impl Blocks {
 
     /// A ray as the unit takes it, for this scene.
     pub fn request(&self, ray: &Ray<Binary32>, any_hit: bool, two_sided: bool) -> RayRequest {
+        let ends = if any_hit { ray_flags::TERMINATE_ON_FIRST_HIT } else { 0 };
+        let culls = if two_sided { 0 } else { ray_flags::CULL_BACK_FACING_TRIANGLES };
         RayRequest {
             origin: ray.origin.into(),
             direction: ray.dir.into(),
             t_min: 0.0,
             t_max: ray.extent.into(),
-            any_hit,
-            cull_back: !two_sided,
-            cull_front: false,
+            flags: ends | culls,
             root: self.root,
+            ..RayRequest::NONE
         }
     }
 

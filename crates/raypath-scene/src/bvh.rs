@@ -1,6 +1,6 @@
 //! The bounding volume hierarchy: a tree with four boxes per node, as the box operation takes them.
 
-use crate::mesh::{Bounds, Mesh};
+use crate::mesh::{Bounds, Mesh, TrianglePlace};
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::{BvhBuildParams, triangle::Triangle as PeerTriangle};
 use raypath_ops::{Aabb, Binary32, Triangle};
@@ -44,8 +44,11 @@ pub struct Bvh4 {
     nodes: Vec<Node>,
     /// The triangles in the order of leaves. The position in this list is the slot of a triangle.
     triangles: Vec<Triangle<Binary32>>,
-    /// The mesh index of each of `triangles`.
+    /// The mesh index of each of `triangles`, and its place among geometries.
     indices: Vec<u32>,
+    places: Vec<TrianglePlace>,
+    /// Whether each geometry is opaque.
+    geometries: Vec<bool>,
     stack: usize,
     levels: u32,
     reach: f32,
@@ -154,6 +157,17 @@ impl Bvh4 {
     #[inline]
     pub fn index(&self, slot: u32) -> u32 {
         self.indices[slot as usize]
+    }
+
+    /// The place among geometries of the triangle in a slot. All triangles of a leaf are of one geometry.
+    #[inline]
+    pub fn place(&self, slot: u32) -> TrianglePlace {
+        self.places[slot as usize]
+    }
+
+    /// Whether each geometry is opaque.
+    pub fn geometries(&self) -> &[bool] {
+        &self.geometries
     }
 
     /// The number of stack entries that a traversal needs at most.
@@ -266,7 +280,16 @@ struct Task {
 impl<'m> Collapse<'m> {
     fn new(mesh: &'m Mesh, groups: &Groups, tree: &'m Bvh2, reach: f32, max_levels: u32) -> Self {
         let pad = 12.0 * f64::from(f32::EPSILON / 2.0) * f64::from(reach);
-        let bvh = Bvh4 { nodes: Vec::new(), triangles: Vec::new(), indices: Vec::new(), stack: 0, levels: 0, reach };
+        let bvh = Bvh4 {
+            nodes: Vec::new(),
+            triangles: Vec::new(),
+            indices: Vec::new(),
+            places: Vec::new(),
+            geometries: mesh.geometries().to_vec(),
+            stack: 0,
+            levels: 0,
+            reach,
+        };
         let (mut counts, mut firsts, mut order) = (vec![0; tree.nodes.len()], vec![0; tree.nodes.len()], Vec::new());
         for &node in nodes_below(tree, 0).iter().rev() {
             let data = &tree.nodes[node as usize];
@@ -275,6 +298,7 @@ impl<'m> Collapse<'m> {
                 firsts[node] = order.len() as u32;
                 let groups_here = &tree.primitive_indices[first..first + data.prim_count as usize];
                 order.extend(groups_here.iter().flat_map(|&group| groups.triangles(group)));
+                order[firsts[node] as usize..].sort_by_key(|&index| mesh.place(index).geometry);
                 counts[node] = order.len() as u32 - firsts[node];
             } else {
                 counts[node] = counts[first] + counts[first + 1];
@@ -298,7 +322,7 @@ impl<'m> Collapse<'m> {
             self.bvh.levels = self.bvh.levels.max(level + 1);
             for (child, part) in parts.into_iter().enumerate() {
                 let reference = match part {
-                    Subtree::Range { first, count } if count <= Reference::MAX_IN_LEAF => self.leaf(first, count),
+                    Subtree::Range { first, count } if self.is_leaf(first, count) => self.leaf(first, count),
                     _ => {
                         let node = self.bvh.nodes.len();
                         self.bvh.nodes.push(Node::empty());
@@ -312,12 +336,19 @@ impl<'m> Collapse<'m> {
         }
     }
 
+    /// Whether a range, which is sorted by geometry, becomes a leaf.
+    fn is_leaf(&self, first: u32, count: u32) -> bool {
+        let geometry = |place: u32| self.mesh.place(self.order[place as usize]).geometry;
+        count <= Reference::MAX_IN_LEAF && geometry(first) == geometry(first + count - 1)
+    }
+
     fn leaf(&mut self, first: u32, count: u32) -> Reference {
         let slot = self.bvh.triangles.len() as u32;
         for &index in &self.order[first as usize..(first + count) as usize] {
             let [a, b, c] = self.mesh.corners(index);
             self.bvh.triangles.push(Triangle::new(a, b, c));
             self.bvh.indices.push(index);
+            self.bvh.places.push(self.mesh.place(index));
         }
         Reference::leaf(slot, count)
     }
@@ -354,14 +385,18 @@ impl<'m> Collapse<'m> {
                 self.order.extend_from_within(first as usize..(first + count) as usize);
             }
         }
+        let mesh = self.mesh;
+        self.order[first as usize..].sort_by_key(|&index| mesh.place(index).geometry);
         Subtree::Range { first, count: self.counts[node as usize] }
     }
 
-    /// The levels of nodes that a part needs at least: those of a balanced tree, and of an inner node one.
+    /// The levels of nodes that a part needs at least: those of a balanced tree, and of an inner node one. Several
+    /// geometries need leaves of one triangle at most.
     fn least_levels(&self, part: Subtree) -> u32 {
+        let full = if self.bvh.geometries.len() > 1 { 1 } else { Reference::MAX_IN_LEAF };
         match part {
-            Subtree::Inner(node) => balanced_levels(self.counts[node as usize]).max(1),
-            Subtree::Range { count, .. } => balanced_levels(count),
+            Subtree::Inner(node) => balanced_levels(self.counts[node as usize], full).max(1),
+            Subtree::Range { count, .. } => balanced_levels(count, full),
         }
     }
 
@@ -383,7 +418,7 @@ impl<'m> Collapse<'m> {
     fn size(&self, part: Subtree) -> Option<(u32, f32)> {
         match part {
             Subtree::Inner(node) => Some((0, self.tree.nodes[node as usize].aabb().half_area())),
-            Subtree::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some((count, 0.0)),
+            Subtree::Range { first, count } => (!self.is_leaf(first, count)).then_some((count, 0.0)),
         }
     }
 
@@ -415,9 +450,9 @@ fn nodes_below(tree: &Bvh2, node: u32) -> Vec<u32> {
     nodes
 }
 
-/// The levels of nodes above the leaves of a balanced tree of this many triangles.
-fn balanced_levels(triangles: u32) -> u32 {
-    if triangles <= Reference::MAX_IN_LEAF { 0 } else { 1 + balanced_levels(triangles.div_ceil(4)) }
+/// The levels of nodes above the leaves of a balanced tree of this many triangles, of which a leaf has at most `full`.
+fn balanced_levels(triangles: u32, full: u32) -> u32 {
+    if triangles <= full { 0 } else { 1 + balanced_levels(triangles.div_ceil(4), full) }
 }
 
 impl Node {

@@ -10,6 +10,19 @@ use thiserror::Error;
 pub struct Mesh {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
+    /// Whether each geometry is opaque.
+    geometries: Vec<bool>,
+    /// The geometry of each triangle, and its index there. Empty if the mesh is one geometry.
+    places: Vec<TrianglePlace>,
+}
+
+/// The place of a triangle among geometries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TrianglePlace {
+    /// The index of its geometry.
+    pub geometry: u32,
+    /// Its index in the geometry.
+    pub primitive: u32,
 }
 
 /// Positions and indices that are not a valid mesh: what was found, and what was expected.
@@ -46,7 +59,33 @@ impl Mesh {
                 return Err(MeshError(format!("triangle {triangle} names vertex {index}, {expected}")));
             }
         }
-        Ok(Self { positions, triangles })
+        Ok(Self { positions, triangles, geometries: vec![true], places: Vec::new() })
+    }
+
+    /// The mesh as several geometries, which are opaque or not, with the place of each triangle.
+    ///
+    /// # Errors
+    /// Another number of places than triangles; a geometry that does not exist.
+    pub fn with_geometries(self, geometries: Vec<bool>, places: Vec<TrianglePlace>) -> Result<Self, MeshError> {
+        if places.len() != self.triangles.len() {
+            return Err(MeshError(format!("{} places, expected {}", places.len(), self.triangles.len())));
+        }
+        if let Some(place) = places.iter().find(|place| place.geometry as usize >= geometries.len()) {
+            return Err(MeshError(format!("geometry {}, expected less than {}", place.geometry, geometries.len())));
+        }
+        Ok(Self { geometries, places, ..self })
+    }
+
+    /// Whether each geometry is opaque.
+    pub fn geometries(&self) -> &[bool] {
+        &self.geometries
+    }
+
+    /// The place of triangle `index`.
+    #[inline]
+    pub fn place(&self, index: u32) -> TrianglePlace {
+        let whole = TrianglePlace { geometry: 0, primitive: index };
+        self.places.get(index as usize).copied().unwrap_or(whole)
     }
 
     /// The vertices.

@@ -13,8 +13,8 @@ pub const NUMBERS: [&str; 12] = ["xx", "xy", "xz", "xt", "yx", "yy", "yz", "yt",
 pub struct Placement {
     /// The rows x, y, z from the mesh to the scene; the last number of each is the translation.
     to_scene: [[f64; 4]; 3],
-    /// The inverse in binary32, which the unit reads.
-    to_object: [[f32; 4]; 3],
+    /// The instance that the unit reads, of nothing, with the inverse in binary32.
+    instance: Instance,
 }
 
 /// The reason why a matrix gives a mesh no place.
@@ -50,13 +50,17 @@ impl Placement {
     /// The place that this matrix, from the mesh to the scene, gives a mesh. `None` if it has no inverse, or one with
     /// numbers that binary32 does not have.
     pub fn new(to_scene: [[f64; 4]; 3]) -> Option<Self> {
-        let Instance { to_object, .. } = Instance::placed(to_scene, 0, 0)?;
-        Some(Self { to_scene, to_object })
+        Some(Self { to_scene, instance: Instance::placed(to_scene, 0, 0)? })
+    }
+
+    /// The place with the mask, the flags and the further indices of an instance.
+    pub fn with_words_of(self, instance: Instance) -> Self {
+        Self { instance: Instance { to_object: self.instance.to_object, ..instance }, ..self }
     }
 
     /// The instance of an object with this child word.
     pub fn instance(&self, root: u32, index: u32) -> Instance {
-        Instance { to_object: self.to_object, root, index }
+        Instance { root, index, ..self.instance }
     }
 
     /// Where a point of the mesh is in the scene.
@@ -85,7 +89,8 @@ impl Placement {
 
     /// The reach in the mesh for rays that have this reach in the scene: the matrix adds up to three distances.
     pub fn object_reach(&self, reach: f32) -> f32 {
-        let sums = self.to_object.map(|[x, y, z, _]| f64::from(x).abs() + f64::from(y).abs() + f64::from(z).abs());
+        let sums =
+            self.instance.to_object.map(|[x, y, z, _]| f64::from(x).abs() + f64::from(y).abs() + f64::from(z).abs());
         // Rounded upwards, with room for the rounding of the matrix.
         (1.000_001 * f64::from(reach) * sums.into_iter().fold(0.0, f64::max)) as f32
     }
@@ -103,7 +108,7 @@ impl Placement {
         let u = f64::from(f32::EPSILON / 2.0);
         let (reach, coordinate) = (f64::from(reach), f64::from(coordinate));
         let object_reach = f64::from(self.object_reach(reach as f32));
-        let in_object = self.to_object.map(|row| {
+        let in_object = self.instance.to_object.map(|row| {
             let [x, y, z, t] = row.map(|number| f64::from(number).abs());
             6.0 * u * ((x + y + z) * (coordinate + reach) + t) + 12.0 * u * object_reach
         });

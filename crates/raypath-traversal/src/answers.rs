@@ -1,11 +1,12 @@
 //! What jobs and the memory answer, in native binary32.
 
-use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind};
+use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind, geometry};
 use crate::fold::{HitLimits, fold};
 use crate::instance::{Instance, Row, Transform, TransformInput};
 use crate::model::RayRequest;
+use crate::query::{Culls, RayFlags, ray_flags};
 use crate::set_up::{self, Entry};
-use crate::state::{Answer, TriangleHit, answer};
+use crate::state::{Answer, RayWords, TriangleHit, answer};
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_model::SimdKernels;
 use raypath_ops::{
@@ -62,6 +63,13 @@ impl Answers {
         ReadyRay { ray, is_refused: is_refused.into() }
     }
 
+    /// The constants of a ray that begins.
+    pub fn ready(&self, ray: &RayRequest) -> ReadyRay {
+        let ready = self.set_up(&Entry::from(ray));
+        let has_no_meaning: bool = ray.flags().are_meaningless().into();
+        ReadyRay { is_refused: ready.is_refused | has_no_meaning, ..ready }
+    }
+
     /// The constants of a ray in the space of an instance. The range of the ray was tested before.
     pub fn instance(&self, outside: &ReadyRay, block: &[u8]) -> ReadyRay {
         // A block that is shorter than the memory promises is none.
@@ -83,12 +91,9 @@ impl Answers {
 
     /// A ray enters an instance with these constants, or fails to.
     pub fn enter(ready: &ReadyRay, block: &[u8]) -> Answer<Binary32> {
-        match block.first_chunk().map(Node::of) {
-            Some(Node { children, .. }) if !ready.is_refused => {
-                Answer { child: children.map(Word::truncate), ..nothing(answer::ENTER) }
-            }
-            _ => Self::failure(),
-        }
+        let Some(Node { children, .. }) = block.first_chunk().map(Node::of) else { return Self::failure() };
+        let kind = if ready.is_refused { answer::CANNOT_ENTER } else { answer::ENTER };
+        Answer { child: children.map(Word::truncate), ..nothing(kind) }
     }
 
     /// A ray begins, or is refused.
@@ -157,19 +162,37 @@ impl Answers {
             t: quotient(outcome.t_num, outcome.t_denom),
             t_num: outcome.t_num,
             t_denom: outcome.t_denom,
-            u_num: outcome.barycentric.u,
-            v_num: outcome.barycentric.v,
-            back_face: !outcome.facing,
-            triangle: Word::truncate(index),
+            u_num: outcome.barycentric.v,
+            v_num: outcome.barycentric.w,
+            is_clockwise: !outcome.facing,
+            primitive: Word::truncate(index),
+            geometry: Word::truncate(geometry(block, nodes)),
         }
     }
 }
 
 impl RayRequest {
-    /// The limits that the ray sets to hits.
-    pub(crate) fn limits(&self) -> HitLimits<Binary32> {
-        let Self { t_min, cull_back, cull_front, .. } = *self;
-        HitLimits { t_min: t_min.into(), cull_back: cull_back.into(), cull_front: cull_front.into() }
+    /// Its flags.
+    pub(crate) fn flags(&self) -> RayFlags<Binary32> {
+        RayFlags::of(Word::truncate(self.flags))
+    }
+
+    /// The limits that the ray sets to hits, in a unit of [`Queries::None`](crate::Queries::None).
+    pub(crate) fn limits(&self, parameters: StepParameters) -> HitLimits<Binary32> {
+        let culls: Culls<Binary32> = self.flags().culls_of_opaque(Binary32, parameters.front);
+        HitLimits { t_min: self.t_min.into(), culls }
+    }
+
+    /// What a step knows of it.
+    pub(crate) fn words(&self) -> RayWords<Binary32> {
+        let Self { root, t_max, flags, cull_mask, .. } = *self;
+        RayWords {
+            root: Word::truncate(root),
+            t_max: t_max.into(),
+            any_hit: (flags & ray_flags::TERMINATE_ON_FIRST_HIT != 0).into(),
+            flags: self.flags(),
+            cull_mask: Word::truncate(cull_mask.into()),
+        }
     }
 }
 
@@ -193,8 +216,9 @@ fn no_hit() -> TriangleHit<Binary32> {
         t_denom: zero,
         u_num: zero,
         v_num: zero,
-        back_face: no,
-        triangle: Word::truncate(0),
+        is_clockwise: no,
+        primitive: Word::truncate(0),
+        geometry: Word::truncate(0),
     }
 }
 

@@ -17,7 +17,7 @@
 //! | bytes of a leaf's block | contents |
 //! | --- | --- |
 //! | 36 · k to 36 · k + 35 | the vertices a, b, c of triangle k (0 to 2) of the block, each as x, y, z in binary32 |
-//! | 108 to 111 | 0 |
+//! | 108 to 111 | the index of their geometry |
 //! | 112 + 4 · k to 115 + 4 · k | the index of triangle k, which its hit reports |
 //! | 124 to 127 | 0 |
 //!
@@ -42,7 +42,8 @@
 //! | --- | --- |
 //! | 0 to 35 | the vertices a, b, c, each as x, y, z in binary32 |
 //! | 36 to 39 | the index of the triangle |
-//! | 40 to 63 | 0 |
+//! | 40 to 43 | the index of its geometry |
+//! | 44 to 63 | 0 |
 
 mod kind;
 pub mod quantised;
@@ -57,6 +58,8 @@ use thiserror::Error;
 pub const BLOCK_BYTES: u32 = NodeKind::Wide4.block_bytes();
 /// The triangles of the largest leaf.
 pub const MAX_LEAF: u32 = 8;
+/// The last kind of a leaf.
+const LAST_LEAF: u32 = 2 * MAX_LEAF;
 /// The words of 32 bits that a triangle's vertices take.
 pub const VERTEX_WORDS: usize = 9;
 /// The bounds of a box.
@@ -79,12 +82,14 @@ pub enum Child {
         /// Its address.
         address: u32,
     },
-    /// A leaf; its kind is the number of triangles, 1 to 8.
+    /// A leaf; its kind is the number of triangles, 1 to 8, and 8 more if they are not opaque.
     Leaf {
         /// The address of its first block.
         address: u32,
         /// The number of triangles.
         count: u32,
+        /// Its geometry is opaque, as all are in a unit of [`Queries::None`](crate::Queries::None).
+        is_opaque: bool,
     },
 }
 
@@ -93,7 +98,7 @@ pub enum Child {
 pub struct LeafTriangle {
     /// The vertices.
     pub triangle: Triangle<Binary32>,
-    /// The index that a hit reports.
+    /// The index in its geometry.
     pub index: u32,
 }
 
@@ -109,7 +114,7 @@ pub struct Node {
 /// The error of a child word that is not valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "child word {word:#010x} has no valid kind, expected 0, 1 to 8{} in its low {} bits",
+    "child word {word:#010x} has no valid kind, expected 0, 1 to 16{} in its low {} bits",
     if nodes.has_instances() { ", 32 or 33" } else { " or 32" },
     nodes.offset_bits()
 )]
@@ -131,7 +136,7 @@ impl Child {
             Self::None => 0,
             Self::Node { address } => address | NODE_KIND,
             Self::Instance { address } => address | INSTANCE_KIND,
-            Self::Leaf { address, count } => address | count,
+            Self::Leaf { address, count, is_opaque } => address | (count + if is_opaque { 0 } else { MAX_LEAF }),
         };
         if Self::of(word, nodes) == Ok(self) { Ok(word) } else { Err(InvalidChild { word, nodes }) }
     }
@@ -147,7 +152,9 @@ impl Child {
             0 if address == 0 => Ok(Self::None),
             NODE_KIND => Ok(Self::Node { address }),
             INSTANCE_KIND if nodes.has_instances() => Ok(Self::Instance { address }),
-            count @ 1..=MAX_LEAF => Ok(Self::Leaf { address, count }),
+            kind @ 1..=LAST_LEAF => {
+                Ok(Self::Leaf { address, count: (kind - 1) % MAX_LEAF + 1, is_opaque: kind <= MAX_LEAF })
+            }
             _ => Err(InvalidChild { word, nodes }),
         }
     }
@@ -174,11 +181,13 @@ impl Node {
 }
 
 impl LeafTriangle {
-    /// The bytes of the blocks of a leaf of these triangles, in a scene with these nodes.
-    pub fn to_bytes(leaf: &[Self], nodes: NodeKind) -> Vec<u8> {
+    /// The bytes of the blocks of a leaf of these triangles, of the geometry with this index, in a scene with
+    /// these nodes.
+    pub fn to_bytes(leaf: &[Self], geometry: u32, nodes: NodeKind) -> Vec<u8> {
         let mut blocks = Vec::new();
         for triangles in leaf.chunks(nodes.triangles_per_block() as usize) {
             let mut words = vec![0; nodes.block_bytes() as usize / 4];
+            words[nodes.geometry_word()] = geometry;
             for (place, LeafTriangle { triangle: Triangle { a, b, c }, index }) in triangles.iter().enumerate() {
                 let numbers = [a, b, c].into_iter().flat_map(|vertex| <[f32; 3]>::from(*vertex));
                 words[VERTEX_WORDS * place..].iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
@@ -198,6 +207,11 @@ impl LeafTriangle {
             index: word(block, nodes.index_word() + place),
         }
     }
+}
+
+/// The index of the geometry of a leaf's block.
+pub(crate) fn geometry(block: &[u8], nodes: NodeKind) -> u32 {
+    word(block, nodes.geometry_word())
 }
 
 /// The bounds of a box in the order of memory: the minima, then the maxima.

@@ -4,11 +4,11 @@
 //! [`step`]: crate::step::step
 
 use crate::answers::{Answers, ReadyRay};
-use crate::blocks::{BLOCK_BYTES, BOX_WORDS, MAX_LEAF, NODE_KIND, Node, NodeKind, VERTEX_WORDS, word};
-use crate::instance::INSTANCE_KIND;
-use crate::model::{Hit, Memory, RayRequest, Reply, instance_of};
+use crate::blocks::{BLOCK_BYTES, BOX_WORDS, MAX_LEAF, NODE_KIND, Node, NodeKind, VERTEX_WORDS, geometry, word};
+use crate::instance::{INSTANCE_KIND, Instance};
+use crate::model::{Hit, HitInstance, Memory, RayRequest, Reply};
 use crate::native::MAX_STACK;
-use crate::set_up::Entry;
+use crate::query::{Front, instance_flags, ray_flags};
 use crate::state::{NO_INSTANCE, status};
 use crate::step::{StepParameters, VISIT_LIMIT};
 use crate::words::LEVELS;
@@ -50,7 +50,7 @@ impl Trail {
         memory: &(impl Memory + ?Sized),
         ray: &RayRequest,
     ) -> Option<Reply> {
-        let ready = answers.set_up(&Entry::from(ray));
+        let ready = answers.ready(ray);
         let now = OneRay::new(&ready.ray)?;
         let mut descent = Descent {
             answers,
@@ -63,8 +63,7 @@ impl Trail {
             best: None,
             nodes: 0,
             triangles: 0,
-            is_inside: false,
-            instance: NO_INSTANCE,
+            instance: None,
         };
         // A copy for each, in which the rules are constants.
         let end = match answers.rules() {
@@ -91,9 +90,8 @@ struct Descent<'d, M: ?Sized> {
     best: Option<Hit>,
     nodes: u32,
     triangles: u32,
-    is_inside: bool,
-    /// The index of the instance, or [`NO_INSTANCE`].
-    instance: u32,
+    /// The instance that the ray is in.
+    instance: Option<Instance>,
 }
 
 /// A node after its boxes were tested.
@@ -106,7 +104,8 @@ struct TestedNode {
 enum Target {
     Node(u32),
     Instance(u32),
-    Leaf(u32, u32),
+    /// The address, the number of triangles, and whether their geometry is opaque.
+    Leaf(u32, u32, bool),
     Invalid,
 }
 
@@ -157,18 +156,20 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                     }
                 }
                 Target::Instance(address) => {
-                    child = self.enter(address)?;
-                    (places[level as usize], instance_level) = (0, level);
-                    pending &= !(1 << level);
-                    level += 1;
-                    continue;
+                    if let Some(root) = self.enter(address)? {
+                        child = root;
+                        (places[level as usize], instance_level) = (0, level);
+                        pending &= !(1 << level);
+                        level += 1;
+                        continue;
+                    }
                 }
-                Target::Leaf(address, count) => {
-                    if self.leaf(address, count)? {
+                Target::Leaf(address, count, is_opaque) => {
+                    if self.leaf(address, count, is_opaque)? {
                         return Ok(());
                     }
                 }
-                Target::Invalid => return Err(status::ERROR),
+                Target::Invalid => return Err(status::SCENE),
             }
             // The next child of the deepest pending level, unless it is behind the hit.
             loop {
@@ -205,11 +206,14 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     #[inline(always)]
     fn target_of(&self, child: u32, level: u32) -> Target {
         let low = self.parameters.node.block_bytes() - 1;
-        let may_enter = self.parameters.features.instances && !self.is_inside;
+        let may_enter = self.parameters.features.instances && self.instance.is_none();
+        let last_leaf = if self.parameters.features.has_flags() { 2 * MAX_LEAF } else { MAX_LEAF };
         let address = child & !low;
         match child & low {
             NODE_KIND if level < LEVELS => Target::Node(address),
-            count @ 1..=MAX_LEAF => Target::Leaf(address, count),
+            kind if (1..=last_leaf).contains(&kind) => {
+                Target::Leaf(address, (kind - 1) % MAX_LEAF + 1, kind <= MAX_LEAF)
+            }
             INSTANCE_KIND if level < LEVELS && may_enter => Target::Instance(address),
             _ => Target::Invalid,
         }
@@ -221,13 +225,13 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         let block = self.fetch(address, 1, 0)?;
         let (found, children) = match self.parameters.node {
             NodeKind::Wide4 => {
-                let block: &[u8; BLOCK_BYTES as usize] = block.first_chunk().ok_or(status::ERROR)?;
+                let block: &[u8; BLOCK_BYTES as usize] = block.first_chunk().ok_or(status::MEMORY)?;
                 let boxes: &[[u8; 4 * BOX_WORDS]] = block.as_chunks().0;
                 let children = array_of!(i => word(block, NodeKind::Wide4.child_word() + i));
                 (self.now.boxes_of_bytes(rules, array_of!(i => &boxes[i])), children)
             }
             NodeKind::Quantised => {
-                let Node { boxes, children } = Node::of_quantised(block.first_chunk().ok_or(status::ERROR)?);
+                let Node { boxes, children } = Node::of_quantised(block.first_chunk().ok_or(status::MEMORY)?);
                 (self.now.boxes(rules, array_of!(i => &boxes[i])), children)
             }
         };
@@ -236,13 +240,14 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
 
     /// Tests the triangles of a leaf. Returns whether the ray ends with their hit.
     #[inline(always)]
-    fn leaf(&mut self, mut address: u32, mut left: u32) -> Result<bool, u32> {
+    fn leaf(&mut self, mut address: u32, mut left: u32, is_opaque: bool) -> Result<bool, u32> {
+        let Some(culls) = self.culls(is_opaque) else { return Ok(false) };
         loop {
             let count = left.min(self.parameters.node.triangles_per_block());
             let block = self.fetch(address, 0, count)?;
-            self.test_triangles(block, count);
+            self.test_triangles(block, count, culls);
             left -= count;
-            let ends = self.ray.any_hit && self.best.is_some();
+            let ends = self.has(ray_flags::TERMINATE_ON_FIRST_HIT) && self.best.is_some();
             if ends || left == 0 {
                 return Ok(ends);
             }
@@ -252,50 +257,102 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
 
     /// Tests the triangles of a block.
     #[inline(always)]
-    fn test_triangles(&mut self, block: &[u8], count: u32) {
+    fn test_triangles(&mut self, block: &[u8], count: u32, [cull_back, cull_front]: [bool; 2]) {
         let number = |i: usize, k: usize| word(block, VERTEX_WORDS * i.min(count as usize - 1) + k);
         let found = self.now.triangles(self.answers.triangles(), |i, k| f32::from_bits(number(i, k)));
-        let RayRequest { t_min, cull_back, cull_front, .. } = *self.ray;
+        let t_min = self.ray.t_min;
+        let geometry = if self.parameters.features.has_flags() { geometry(block, self.parameters.node) } else { 0 };
+        let instance = self.instance.map(|Instance { index, custom_index, shader_offset, .. }| {
+            match self.parameters.features.has_flags() {
+                true => HitInstance { index, custom_index, shader_offset },
+                false => HitInstance { index, ..HitInstance::default() },
+            }
+        });
+        let instance = instance.and_then(HitInstance::or_none);
+        let is_flipped = self.is_flipped();
         for i in (0..count as usize).filter(|i| found.hits >> i & 1 == 1) {
             let (t, t_num, t_denom) = (found.t[i], found.t_num[i], found.t_denom[i]);
-            let back_face = t_denom < 0.0;
+            let back_face = (t_denom < 0.0) != is_flipped;
             let is_culled = if back_face { cull_back } else { cull_front };
-            let triangle = word(block, self.parameters.node.index_word() + i);
+            let primitive = word(block, self.parameters.node.index_word() + i);
             let wins_tie = || {
-                let order = |hit: &Hit| (hit.instance.unwrap_or(NO_INSTANCE), hit.triangle);
-                self.best.as_ref().is_none_or(|best| (self.instance, triangle) < order(best))
+                let of = |instance: Option<HitInstance>| instance.map_or(NO_INSTANCE, |instance| instance.index);
+                let order = (of(instance), geometry, primitive);
+                self.best.as_ref().is_some_and(|best| order < (of(best.instance), best.geometry, best.primitive))
             };
-            if t >= t_min && !is_culled && (t < self.extent || (t == self.extent && wins_tie())) {
+            if t > t_min && !is_culled && (t < self.extent || (t == self.extent && wins_tie())) {
                 let has_weights = self.parameters.features.barycentrics;
                 let barycentric = has_weights.then(|| found.edges.map(|edge| edge[i] / t_denom));
-                let instance = instance_of(self.instance);
-                self.best = Some(Hit { triangle, t, t_num, t_denom, back_face, barycentric, instance });
+                self.best = Some(Hit { primitive, geometry, t, t_num, t_denom, back_face, barycentric, instance });
                 self.extent = t;
                 self.now.set_extent(t);
             }
         }
     }
 
-    /// Enters an instance. Returns its only child, the root of its object.
+    /// The back and the front faces are not hit, in a leaf of this opacity; none if no triangle is.
     #[inline(always)]
-    fn enter(&mut self, address: u32) -> Result<u32, u32> {
+    fn culls(&self, is_opaque: bool) -> Option<[bool; 2]> {
+        let of_instance = |flag: u32| self.instance.is_some_and(|instance| u32::from(instance.flags) & flag != 0);
+        let (has_flags, has) = (self.parameters.features.has_flags(), |flag| self.has(flag));
+        if !has_flags {
+            // The triangles are tested all the same.
+            let none = has(ray_flags::SKIP_TRIANGLES) || has(ray_flags::CULL_OPAQUE);
+            let faces = [ray_flags::CULL_BACK_FACING_TRIANGLES, ray_flags::CULL_FRONT_FACING_TRIANGLES];
+            return Some(faces.map(|flag| none || has(flag)));
+        }
+        let is_opaque = match () {
+            () if has(ray_flags::OPAQUE) => true,
+            () if has(ray_flags::NO_OPAQUE) => false,
+            () if of_instance(instance_flags::FORCE_OPAQUE) => true,
+            () if of_instance(instance_flags::FORCE_NO_OPAQUE) => false,
+            () => is_opaque,
+        };
+        let is_skipped = has(if is_opaque { ray_flags::CULL_OPAQUE } else { ray_flags::CULL_NO_OPAQUE });
+        if is_skipped || has(ray_flags::SKIP_TRIANGLES) {
+            return None;
+        }
+        let (back, front) = (ray_flags::CULL_BACK_FACING_TRIANGLES, ray_flags::CULL_FRONT_FACING_TRIANGLES);
+        let culls = !of_instance(instance_flags::FACING_CULL_DISABLE);
+        Some([back, front].map(|flag| culls && has(flag)))
+    }
+
+    /// Whether the clockwise faces are front faces.
+    #[inline(always)]
+    fn is_flipped(&self) -> bool {
+        let is_flipped = self.instance.is_some_and(|instance| {
+            self.parameters.features.has_flags() && u32::from(instance.flags) & instance_flags::FLIP_FACING != 0
+        });
+        is_flipped != (self.parameters.front == Front::Clockwise)
+    }
+
+    #[inline(always)]
+    fn has(&self, flag: u32) -> bool {
+        self.ray.flags & flag != 0
+    }
+
+    /// Enters an instance. Returns its only child, the root of its object, unless its mask keeps the ray out.
+    #[inline(always)]
+    fn enter(&mut self, address: u32) -> Result<Option<u32>, u32> {
         let block = self.fetch(address, 1, 0)?;
+        let instance = Instance::of(block.first_chunk().ok_or(status::MEMORY)?);
+        if self.parameters.features.has_flags() && instance.mask & self.ray.cull_mask == 0 {
+            return Ok(None);
+        }
         let inside = self.answers.instance(&self.ready, block);
         if inside.is_refused {
-            return Err(status::ERROR);
+            return Err(status::SCENE);
         }
-        self.now = OneRay::new(&inside.ray).ok_or(status::ERROR)?;
+        self.now = OneRay::new(&inside.ray).ok_or(status::SCENE)?;
         self.now.set_extent(self.extent);
-        let words = block.get(4 * NodeKind::Wide4.child_word()..).unwrap_or_default();
-        (self.is_inside, self.instance) = (true, word(words, 1));
-        Ok(word(words, 0))
+        self.instance = Some(instance);
+        Ok(Some(instance.root))
     }
 
     /// Leaves the instance, if the ray is in one.
     #[inline(always)]
     fn leave(&mut self) {
-        if self.is_inside {
-            (self.is_inside, self.instance) = (false, NO_INSTANCE);
+        if self.instance.take().is_some() {
             self.now = OneRay::new(&self.ready.ray).unwrap_or(self.now);
             self.now.set_extent(self.extent);
         }
@@ -304,10 +361,11 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     /// A block of the memory, which counts as so many nodes and triangles.
     #[inline(always)]
     fn fetch(&mut self, address: u32, nodes: u32, triangles: u32) -> Result<&'d [u8], u32> {
-        let is_over_limit = self.nodes.max(self.triangles) >= VISIT_LIMIT;
+        if self.nodes.max(self.triangles) >= VISIT_LIMIT {
+            return Err(status::LIMIT);
+        }
         self.nodes += nodes;
         self.triangles += triangles;
-        let block = self.memory.block(address, self.parameters.node.block_bytes());
-        block.ok().filter(|_| !is_over_limit).ok_or(status::ERROR)
+        self.memory.block(address, self.parameters.node.block_bytes()).map_err(|_| status::MEMORY)
     }
 }

@@ -1,8 +1,10 @@
 //! What runs the unit cycle by cycle: its ports, and the simulated netlist behind them.
 
 use crate::hardware::UnitNetlist;
-use crate::model::{Hit, RayRequest, Reply, instance_of};
+use crate::model::{Hit, HitInstance, RayRequest, Reply};
+use crate::query::Queries;
 use crate::state::status;
+use crate::step::UnitFeatures;
 use raypath_hdl::{Error, InputPort, Module, OutputPort, Simulator};
 use std::sync::Arc;
 
@@ -67,7 +69,7 @@ pub struct NetlistEngine {
     simulator: Simulator,
     inputs: Vec<InputPort>,
     outputs: Vec<OutputPort>,
-    widths: Vec<u32>,
+    ports: UnitPorts,
     arbitrary: u64,
 }
 
@@ -99,8 +101,7 @@ impl NetlistEngine {
         let inputs = top.inputs().iter().map(input).collect::<Result<_, _>>()?;
         let output = |port: &raypath_hdl::Port| simulator.output(&port.name);
         let outputs = top.outputs().iter().map(output).collect::<Result<_, _>>()?;
-        let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
-        Ok(Self { simulator, inputs, outputs, widths, arbitrary: 1 })
+        Ok(Self { simulator, inputs, outputs, ports: UnitPorts::of(top), arbitrary: 1 })
     }
 
     /// The simulator, from which observed signals are read.
@@ -120,12 +121,12 @@ impl UnitEngine for NetlistEngine {
     fn outputs(&mut self) -> UnitOutputs {
         self.simulator.settle();
         let words: Vec<u64> = self.outputs.iter().map(|&port| self.simulator.get(port)).collect();
-        outputs_of(&words)
+        self.ports.outputs(&words)
     }
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         let arbitrary = &mut self.arbitrary;
-        let words = words_of(inputs, &self.widths, || {
+        let words = self.ports.words(inputs, || {
             *arbitrary = arbitrary.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
             *arbitrary >> 8 ^ *arbitrary << 30
         });
@@ -140,67 +141,81 @@ impl UnitEngine for NetlistEngine {
     }
 }
 
-/// The words of the inputs of `raypath_unit`, in order, whose widths are given. Inputs of channels that are not valid
-/// have the values of `arbitrary`.
-pub fn words_of(inputs: &UnitInputs<'_>, widths: &[u32], mut arbitrary: impl FnMut() -> u64) -> Vec<u64> {
-    let mut words: Vec<u64> = Vec::with_capacity(widths.len());
-    words.push(inputs.ray.is_some().into());
-    match inputs.ray {
-        Some((id, ray)) => {
-            let cull = u64::from(ray.cull_back) | u64::from(ray.cull_front) << 1;
-            words.extend([id, ray.any_hit.into(), cull, ray.root.into()]);
-            let numbers = ray.origin.into_iter().chain(ray.direction).chain([ray.t_min, ray.t_max]);
-            words.extend(numbers.map(|number| u64::from(number.to_bits())));
-        }
-        None => words.extend((0..RAY_PORTS).map(|_| arbitrary())),
-    }
-    words.extend([inputs.hit_ready, inputs.request_ready, inputs.response.is_some()].map(u64::from));
-    match inputs.response {
-        Some(Response { tag, is_error, beat }) => {
-            words.extend([u64::from(tag), is_error.into()]);
-            words.extend(beat.as_chunks().0.iter().map(|bytes| u64::from(u32::from_le_bytes(*bytes))));
-        }
-        None => words.extend((words.len()..widths.len()).map(|_| arbitrary())),
-    }
-    words.iter_mut().zip(widths).for_each(|(word, width)| *word &= u64::MAX >> (64 - width));
-    words
+/// The ports of `raypath_unit`, by which words in the order of their declaration are made and read.
+#[derive(Debug, Clone)]
+pub struct UnitPorts {
+    /// The width of each input.
+    widths: Vec<u32>,
+    features: UnitFeatures,
 }
 
-/// The ports of a ray besides `ray_valid_i`.
-const RAY_PORTS: usize = 12;
+impl UnitPorts {
+    /// The ports of a module that has those of a unit.
+    pub fn of(top: &Module) -> Self {
+        let has = |port: &str| top.port_width(port).is_some();
+        let queries = if has("hit_geometry_o") { Queries::Flags } else { Queries::None };
+        let features = UnitFeatures { barycentrics: has("hit_u_o"), instances: has("hit_instance_o"), queries };
+        Self { widths: top.inputs().iter().map(|port| top.signal(port.signal).width).collect(), features }
+    }
 
-/// The outputs of `raypath_unit` from their words, in order.
-///
-/// # Panics
-/// Never for the words of all outputs.
-pub fn outputs_of(words: &[u64]) -> UnitOutputs {
-    let Some((&[ray_ready, has_hit, id, status, t, triangle, t_num, t_denom, back_face, nodes, triangles], rest)) =
-        words.split_first_chunk()
-    else {
-        unreachable!("fewer outputs than the unit has")
-    };
-    let Some((features, &[has_request, address, tag, response_ready])) = rest.split_last_chunk() else {
-        unreachable!("as above")
-    };
-    let (weights, instance) = match features.split_first_chunk() {
-        Some((weights, instance)) => (Some(weights), instance),
-        None => (None, features),
-    };
-    let number = |word: u64| f32::from_bits(word as u32);
-    let hit = (status == u64::from(status::HIT)).then(|| Hit {
-        triangle: triangle as u32,
-        t: number(t),
-        t_num: number(t_num),
-        t_denom: number(t_denom),
-        back_face: back_face == 1,
-        barycentric: weights.map(|&[u, v]| [number(u), number(v)]),
-        instance: instance.first().and_then(|&index| instance_of(index as u32)),
-    });
-    let reply = Reply { status: status as u32, hit, nodes: nodes as u32, triangles: triangles as u32 };
-    UnitOutputs {
-        ray_ready: ray_ready == 1,
-        hit: (has_hit == 1).then_some((id, reply)),
-        request: (has_request == 1).then_some(BlockRequest { address: address as u32, tag: tag as u32 }),
-        response_ready: response_ready == 1,
+    /// The words of the inputs. Inputs of channels that are not valid have the values of `arbitrary`.
+    pub fn words(&self, inputs: &UnitInputs<'_>, mut arbitrary: impl FnMut() -> u64) -> Vec<u64> {
+        let Self { widths, features } = self;
+        let mut words: Vec<u64> = Vec::with_capacity(widths.len());
+        words.push(inputs.ray.is_some().into());
+        let has_mask = features.has("cull_mask");
+        match inputs.ray {
+            Some((id, ray)) => {
+                words.extend([id, ray.flags.into()]);
+                words.extend(has_mask.then_some(u64::from(ray.cull_mask)));
+                words.push(ray.root.into());
+                let numbers = ray.origin.into_iter().chain(ray.direction).chain([ray.t_min, ray.t_max]);
+                words.extend(numbers.map(|number| u64::from(number.to_bits())));
+            }
+            None => words.extend((0..RAY_PORTS + usize::from(has_mask)).map(|_| arbitrary())),
+        }
+        words.extend([inputs.hit_ready, inputs.request_ready, inputs.response.is_some()].map(u64::from));
+        match inputs.response {
+            Some(Response { tag, is_error, beat }) => {
+                words.extend([u64::from(tag), is_error.into()]);
+                words.extend(beat.as_chunks().0.iter().map(|bytes| u64::from(u32::from_le_bytes(*bytes))));
+            }
+            None => words.extend((words.len()..widths.len()).map(|_| arbitrary())),
+        }
+        words.iter_mut().zip(widths).for_each(|(word, width)| *word &= u64::MAX >> (64 - width));
+        words
+    }
+
+    /// The outputs from their words; 0 stands for words that are missing.
+    pub fn outputs(&self, words: &[u64]) -> UnitOutputs {
+        let mut words = words.iter().copied();
+        let mut word = || words.next().unwrap_or(0);
+        let ray_ready = word() == 1;
+        let (has_hit, id, end) = (word() == 1, word(), word() as u32);
+        let number = |word: u64| f32::from_bits(word as u32);
+        let mut hit = Hit { t: number(word()), primitive: word() as u32, ..Hit::default() };
+        (hit.t_num, hit.t_denom, hit.back_face) = (number(word()), number(word()), word() == 1);
+        let (nodes, triangles) = (word() as u32, word() as u32);
+        let UnitFeatures { barycentrics, instances, .. } = self.features;
+        hit.barycentric = barycentrics.then(|| [number(word()), number(word())]);
+        let mut instance = instances.then(|| HitInstance { index: word() as u32, ..HitInstance::default() });
+        if self.features.has_flags() {
+            hit.geometry = word() as u32;
+            if let Some(instance) = &mut instance {
+                (instance.custom_index, instance.shader_offset) = (word() as u32, word() as u32);
+            }
+        }
+        hit.instance = instance.and_then(HitInstance::or_none);
+        let reply = Reply { status: end, hit: (end == status::HIT).then_some(hit), nodes, triangles };
+        let (has_request, address, tag) = (word() == 1, word() as u32, word() as u32);
+        UnitOutputs {
+            ray_ready,
+            hit: has_hit.then_some((id, reply)),
+            request: has_request.then_some(BlockRequest { address, tag }),
+            response_ready: word() == 1,
+        }
     }
 }
+
+/// The ports of a ray besides `ray_valid_i`, without its mask.
+const RAY_PORTS: usize = 11;

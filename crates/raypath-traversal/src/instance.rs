@@ -7,7 +7,12 @@
 //! | 4 · i to 4 · i + 3 | row i (0 to 2) of the matrix from the scene to the object: x, y, z and t, in binary32 |
 //! | where a node has child word 0 | the child word of the object's root: a node or a leaf |
 //! | where a node has child word 1 | the index of the instance, which its hits report; all ones are no index |
+//! | where a node has child word 2 | bits 23 to 0: the custom index; bits 31 to 24: the mask |
+//! | where a node has child word 3 | bits 23 to 0: the offset into the shader table; bits 31 to 24: the [flags](crate::instance_flags) |
 //! | others | 0 |
+//!
+//! The last two words are read with [`Queries::Flags`](crate::Queries::Flags) alone. They are those of Vulkan's
+//! `VkAccelerationStructureInstanceKHR`.
 
 use crate::blocks::{BLOCK_BYTES, NodeKind, wide_block, word};
 use raypath_ops::{Circuit, Num, Operation, Vec3, bundle};
@@ -22,6 +27,9 @@ pub const TRANSFORM_OPCODE: u64 = 2;
 /// The word of an instance's block with the child word of its root: the first child word of a wide node.
 const CHILD_WORD: usize = NodeKind::Wide4.child_word();
 
+/// The bits of custom indices and offsets.
+const LOW: u32 = (1 << 24) - 1;
+
 /// An instance, in a block of 128 bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
@@ -31,6 +39,22 @@ pub struct Instance {
     pub root: u32,
     /// The index that hits report.
     pub index: u32,
+    /// The custom index, below 2²⁴.
+    pub custom_index: u32,
+    /// Rays count it whose mask has a bit of this one.
+    pub mask: u8,
+    /// The offset into the shader table, below 2²⁴.
+    pub shader_offset: u32,
+    /// The bits of [`instance_flags`](crate::instance_flags) that are set.
+    pub flags: u8,
+}
+
+impl Default for Instance {
+    /// An instance of nothing, in its own place, for all rays.
+    fn default() -> Self {
+        let to_object = std::array::from_fn(|row| std::array::from_fn(|column| f32::from(u8::from(row == column))));
+        Self { to_object, root: 0, index: 0, custom_index: 0, mask: u8::MAX, shader_offset: 0, flags: 0 }
+    }
 }
 
 impl Instance {
@@ -51,12 +75,14 @@ impl Instance {
             [x, y, z, -dot(linear, translation) as f32]
         });
         let is_finite = to_object.as_flattened().iter().all(|number: &f32| number.is_finite());
-        is_finite.then_some(Self { to_object, root, index })
+        is_finite.then_some(Self { to_object, root, index, ..Self::default() })
     }
 
     /// The bytes of the instance's block.
     pub fn to_bytes(&self) -> [u8; BLOCK_BYTES as usize] {
-        wide_block(self.to_object.as_flattened().iter().copied(), [self.root, self.index])
+        let with = |high: u8, low: u32| u32::from(high) << 24 | low & LOW;
+        let words = [with(self.mask, self.custom_index), with(self.flags, self.shader_offset)];
+        wide_block(self.to_object.as_flattened().iter().copied(), [self.root, self.index, words[0], words[1]])
     }
 
     /// The instance in a block.
@@ -66,6 +92,10 @@ impl Instance {
             to_object: std::array::from_fn(|row| std::array::from_fn(|column| number(4 * row + column))),
             root: word(block, CHILD_WORD),
             index: word(block, CHILD_WORD + 1),
+            custom_index: word(block, CHILD_WORD + 2) & LOW,
+            mask: (word(block, CHILD_WORD + 2) >> 24) as u8,
+            shader_offset: word(block, CHILD_WORD + 3) & LOW,
+            flags: (word(block, CHILD_WORD + 3) >> 24) as u8,
         }
     }
 }

@@ -17,6 +17,7 @@ mod instance;
 mod model;
 mod native;
 mod netlist;
+mod query;
 pub mod set_up;
 pub mod state;
 mod step;
@@ -26,12 +27,15 @@ mod walk;
 mod words;
 
 pub use cycle::{RayInside, RayPhase, UnitCounts, UnitModel};
-pub use engine::{BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, outputs_of, words_of};
+pub use engine::{BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, UnitPorts};
 pub use error::UnitError;
 pub use fold::{HitLimits, fold};
 pub use hardware::{UnitNetlist, UnitParameter, UnitParameters, UnitParametersError, fixed_parameters};
 pub use instance::{INSTANCE_KIND, Instance, Row, Transform, TransformInput, TransformOutput};
-pub use model::{Hit, Memory, MemoryError, RayRequest, Reply, Unit};
+pub use model::{Hit, HitInstance, Memory, MemoryError, RayRequest, Reply, Unit};
 pub use netlist::{Netlist, Value};
+pub use query::{
+    Culls, Front, InstanceFlags, InstanceWords, ParseNameError, Queries, RayFlags, instance_flags, ray_flags,
+};
 pub use step::{HalfStep, StepParameters, UnitFeatures, VISIT_LIMIT, finish, prepare, step};
 pub use words::{LEVELS, Levels, WordCircuit, WordMethods};

@@ -2,6 +2,7 @@
 
 use crate::answers::{Answers, quotient};
 use crate::descent::Trail;
+use crate::query::InstanceWords;
 use crate::state::{NO_INSTANCE, RayState, status};
 use crate::step::{StepParameters, UnitFeatures};
 use crate::walk::{AskedKind, Walk};
@@ -38,37 +39,61 @@ pub struct RayRequest {
     pub origin: [f32; 3],
     /// The direction, of any length that can be inverted.
     pub direction: [f32; 3],
-    /// The least distance of a hit, in units of the direction's length.
+    /// Hits count beyond this distance, in units of the direction's length.
     pub t_min: f32,
-    /// The greatest distance of a hit; infinity reaches everything.
+    /// Hits count below this distance; infinity reaches everything.
     pub t_max: f32,
-    /// The ray ends at the first block of triangles with a hit.
-    pub any_hit: bool,
-    /// Back faces are not hit.
-    pub cull_back: bool,
-    /// Front faces are not hit.
-    pub cull_front: bool,
+    /// The bits of [`ray_flags`](crate::ray_flags) that are set, of the ten that there are.
+    pub flags: u32,
+    /// With instances and [`Queries::Flags`](crate::Queries::Flags): instances count whose mask has a bit of it.
+    pub cull_mask: u8,
     /// The child word of the scene's root.
     pub root: u32,
+}
+
+impl RayRequest {
+    /// A ray from the origin along z to its first hit, in a scene without a root.
+    pub const NONE: Self = Self {
+        origin: [0.0; 3],
+        direction: [0.0, 0.0, 1.0],
+        t_min: 0.0,
+        t_max: f32::INFINITY,
+        flags: 0,
+        cull_mask: u8::MAX,
+        root: 0,
+    };
 }
 
 /// The hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Hit {
-    /// The index of the triangle.
-    pub triangle: u32,
+    /// The index of the triangle in its geometry.
+    pub primitive: u32,
+    /// The index of its geometry; 0 with [`Queries::None`](crate::Queries::None).
+    pub geometry: u32,
     /// The distance `t_num / t_denom`, in units of the direction's length.
     pub t: f32,
     /// The numerator of the distance.
     pub t_num: f32,
-    /// The denominator of the distance; negative for a back face.
+    /// The denominator of the distance; negative if the vertices run clockwise as the ray's origin sees them.
     pub t_denom: f32,
     /// The ray meets the back face, as seen in the space of the object.
     pub back_face: bool,
-    /// With the feature `barycentrics`: the weights of the vertices a and b at the hit; the three weights add up to 1.
+    /// With the feature `barycentrics`: the weights of the vertices b and c at the hit; the three weights add up to 1.
     pub barycentric: Option<[f32; 2]>,
-    /// The index of the instance of the triangle, if it is in one.
-    pub instance: Option<u32>,
+    /// The instance of the triangle, if it is in one.
+    pub instance: Option<HitInstance>,
+}
+
+/// The instance of a hit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct HitInstance {
+    /// Its index.
+    pub index: u32,
+    /// Its custom index; 0 with [`Queries::None`](crate::Queries::None).
+    pub custom_index: u32,
+    /// Its offset into the shader table; 0 with [`Queries::None`](crate::Queries::None).
+    pub shader_offset: u32,
 }
 
 /// What the unit returns for a ray.
@@ -76,8 +101,9 @@ pub struct Hit {
 pub struct Reply {
     /// One of [`status`].
     pub status: u32,
-    /// The hit: the closest, of several at the same distance that of the lowest index; with `any_hit` the closest of
-    /// the first block with a hit. There is none after an error.
+    /// The hit: the closest, of several at the same distance that of the lowest instance, geometry and index; with
+    /// [`TERMINATE_ON_FIRST_HIT`](crate::ray_flags::TERMINATE_ON_FIRST_HIT) the closest of the first block with a hit.
+    /// There is none after an error.
     pub hit: Option<Hit>,
     /// The nodes that were fetched.
     pub nodes: u32,
@@ -87,7 +113,8 @@ pub struct Reply {
 
 state! {
     Reply { status, hit, nodes, triangles }
-    Hit { triangle, t, t_num, t_denom, back_face, barycentric, instance }
+    Hit { primitive, geometry, t, t_num, t_denom, back_face, barycentric, instance }
+    HitInstance { index, custom_index, shader_offset }
 }
 
 /// The functional model of the unit.
@@ -116,29 +143,36 @@ impl Unit {
 
     /// As [`trace`](Self::trace), step by step as the hardware does.
     pub fn trace_by_steps(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
-        self.walk.begin(&self.answers, ray);
+        self.walk.begin(&self.answers, self.parameters, ray);
         while self.walk.step(&self.answers, self.parameters, memory).kind != AskedKind::Nothing {}
         self.walk.reply(self.parameters)
     }
 }
 
-/// The instance of an index, which a hit in none does not have.
-pub(crate) fn instance_of(index: u32) -> Option<u32> {
-    (index != NO_INSTANCE).then_some(index)
+impl HitInstance {
+    /// It, unless its index is that of none.
+    pub(crate) fn or_none(self) -> Option<Self> {
+        (self.index != NO_INSTANCE).then_some(self)
+    }
 }
 
 impl Reply {
     /// The reply for a ray that ends in this state.
     pub(crate) fn of(state: &RayState<Binary32>, status: u32, features: UnitFeatures) -> Self {
         let weight = |numerator| quotient(numerator, state.t_denom).into();
+        let InstanceWords { index, custom_index, shader_offset } = state.hit_instance;
+        let of_flags = |word: u32| if features.has_flags() { word } else { 0 };
+        let (custom_index, shader_offset) = (of_flags(custom_index.value), of_flags(shader_offset.value));
+        let instance = HitInstance { index: index.value, custom_index, shader_offset };
         let hit = (status == status::HIT).then(|| Hit {
-            triangle: state.triangle.value,
+            primitive: state.primitive.value,
+            geometry: of_flags(state.geometry.value),
             t: state.extent.into(),
             t_num: state.t_num.into(),
             t_denom: state.t_denom.into(),
             back_face: state.back_face.into(),
             barycentric: features.barycentrics.then(|| [weight(state.u_num), weight(state.v_num)]),
-            instance: instance_of(state.hit_instance.value),
+            instance: instance.or_none(),
         });
         Self { status, hit, nodes: state.nodes.value, triangles: state.triangles.value }
     }

@@ -43,7 +43,7 @@ pub(crate) fn step(
         for_each_value!(first_hit, {
             let Flags([_, second, third, fourth]) = answer.hit;
             let answer = Answer { hit: Flags([first_hit, second, third, fourth]), ..answer };
-            let half = prepare(Binary32, parameters.features, RayState { restarting, ..*state }, answer);
+            let half = prepare(Binary32, parameters, RayState { restarting, ..*state }, answer);
             end(parameters, state, half, stack)
         })
     })

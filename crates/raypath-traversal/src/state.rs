@@ -1,5 +1,6 @@
 //! What the unit keeps for a ray, what it learns, and what it asks for next.
 
+use crate::query::{Culls, InstanceFlags, InstanceWords, RayFlags, select_fields};
 use crate::words::{Levels, WordCircuit};
 use raypath_ops::{Bit, Circuit, Flags, Num, Select, Word, array_of, bundle};
 
@@ -13,12 +14,14 @@ pub mod answer {
     pub const BLOCK: u32 = 2;
     /// Nothing new: the ray asked to continue, because it reads its stack once in a step.
     pub const CONTINUE: u32 = 3;
-    /// The memory reported an error, or the set-up refuses the ray in the space of an instance.
+    /// The memory reported an error.
     pub const ERROR: u32 = 4;
     /// A ray begins that its set-up refuses.
     pub const REFUSED: u32 = 5;
     /// The constants of a ray in the space of an instance are there.
     pub const ENTER: u32 = 6;
+    /// The set-up refuses the ray in the space of an instance.
+    pub const CANNOT_ENTER: u32 = 7;
 }
 
 /// The kinds of a [`Request`].
@@ -37,20 +40,42 @@ pub mod status {
     pub const MISS: u32 = 0;
     /// It hits a triangle.
     pub const HIT: u32 = 1;
-    /// The ray was refused: its direction cannot be inverted, or a value is not finite.
-    pub const REFUSED: u32 = 2;
-    /// The memory reported an error, or the scene is not a tree of at most 64 levels.
-    pub const ERROR: u32 = 3;
+    /// The ray was refused: its direction cannot be inverted, a value is not finite, or its flags have no meaning.
+    pub const REFUSED: u32 = 3;
+    /// The memory reported an error.
+    pub const MEMORY: u32 = 4;
+    /// The scene is not a tree of at most 64 levels, or has an instance that the ray cannot enter.
+    pub const SCENE: u32 = 5;
+    /// The ray has read as many nodes or triangles as it may.
+    pub const LIMIT: u32 = 6;
 }
 
 /// The index of what is in no instance.
 pub const NO_INSTANCE: u32 = u32::MAX;
 
 bundle! {
+    /// What a step knows of a ray from its beginning.
+    pub struct RayWords<C> {
+        /// The child word of the root.
+        pub root: Word<C, 32>,
+        /// The distance below which hits count.
+        pub t_max: Num<C>,
+        /// The ray ends at the first block with a hit.
+        pub any_hit: Bit<C>,
+        /// Its other flags.
+        pub flags: RayFlags<C>,
+        /// The instances that count.
+        pub cull_mask: Word<C, 8>,
+    }
+
     /// The state of a ray between two steps, without the constants that its jobs need.
     pub struct RayState<C> {
         /// The ray ends at the first block with a hit.
         pub any_hit: Bit<C>,
+        /// Its other flags.
+        pub flags: RayFlags<C>,
+        /// The instances that count: those whose masks have a bit of it.
+        pub cull_mask: Word<C, 8>,
         /// The child word of the root.
         pub root: Word<C, 32>,
 
@@ -62,16 +87,18 @@ bundle! {
         pub t_num: Num<C>,
         /// The denominator of its distance.
         pub t_denom: Num<C>,
-        /// U of the closest hit; `t_denom` times the weight of vertex a.
-        pub u_num: Num<C>,
         /// V of the closest hit; `t_denom` times the weight of vertex b.
+        pub u_num: Num<C>,
+        /// W of the closest hit; `t_denom` times the weight of vertex c.
         pub v_num: Num<C>,
         /// The ray meets its back face.
         pub back_face: Bit<C>,
-        /// The index of the closest triangle.
-        pub triangle: Word<C, 32>,
-        /// The index of the instance of that triangle, or [`NO_INSTANCE`].
-        pub hit_instance: Word<C, 32>,
+        /// The index of the closest primitive.
+        pub primitive: Word<C, 32>,
+        /// The index of its geometry.
+        pub geometry: Word<C, 32>,
+        /// Its instance.
+        pub hit_instance: InstanceWords<C>,
 
         /// The nodes and instances that were fetched.
         pub nodes: Word<C, 32>,
@@ -100,8 +127,10 @@ bundle! {
 
         /// The path is inside an instance: jobs need the constants in its space.
         pub inside: Bit<C>,
-        /// The index of that instance, or [`NO_INSTANCE`].
-        pub instance: Word<C, 32>,
+        /// That instance.
+        pub instance: InstanceWords<C>,
+        /// Its flags.
+        pub instance_flags: InstanceFlags<C>,
         /// The level of that instance. Its object begins one level deeper.
         pub instance_level: Word<C, 7>,
     }
@@ -126,14 +155,16 @@ bundle! {
         pub t_num: Num<C>,
         /// The denominator of the distance.
         pub t_denom: Num<C>,
-        /// U: `t_denom` times the weight of vertex a.
-        pub u_num: Num<C>,
         /// V: `t_denom` times the weight of vertex b.
+        pub u_num: Num<C>,
+        /// W: `t_denom` times the weight of vertex c.
         pub v_num: Num<C>,
-        /// The ray meets the back face.
-        pub back_face: Bit<C>,
-        /// The triangle's index.
-        pub triangle: Word<C, 32>,
+        /// Its vertices run clockwise as the ray's origin sees them.
+        pub is_clockwise: Bit<C>,
+        /// The triangle's index in its geometry.
+        pub primitive: Word<C, 32>,
+        /// The index of its geometry.
+        pub geometry: Word<C, 32>,
     }
 
     /// What a ray learns in a step.
@@ -168,28 +199,34 @@ bundle! {
         pub level: Word<C, 7>,
         /// The entry.
         pub group: Group<C>,
+        /// To fetch triangles: those that are not hit.
+        pub culls: Culls<C>,
         /// When done: one of [`status`].
-        pub status: Word<C, 2>,
+        pub status: Word<C, 3>,
     }
 }
 
 impl<C: WordCircuit> RayState<C> {
     /// The state of a ray that begins.
     #[inline(always)]
-    pub fn begin(c: C, root: Word<C, 32>, extent: Num<C>, any_hit: Bit<C>) -> Self {
+    pub fn begin(c: C, ray: RayWords<C>) -> Self {
+        let RayWords { root, t_max, any_hit, flags, cull_mask } = ray;
         let (no, none) = (c.bit(false), Levels::none(c));
         Self {
             any_hit,
+            flags,
+            cull_mask,
             root,
-            extent,
+            extent: t_max,
             has_hit: no,
             t_num: c.zero(),
             t_denom: c.zero(),
             u_num: c.zero(),
             v_num: c.zero(),
             back_face: no,
-            triangle: c.word(0),
-            hit_instance: c.word(NO_INSTANCE),
+            primitive: c.word(0),
+            geometry: c.word(0),
+            hit_instance: InstanceWords::none(c),
             nodes: c.word(0),
             triangles: c.word(0),
             level: c.word(0),
@@ -202,7 +239,8 @@ impl<C: WordCircuit> RayState<C> {
             leaf_address: c.word(0),
             leaf_left: c.word(0),
             inside: no,
-            instance: c.word(NO_INSTANCE),
+            instance: InstanceWords::none(c),
+            instance_flags: InstanceFlags::none(c),
             instance_level: c.word(0),
         }
     }
@@ -236,4 +274,8 @@ impl<C: Circuit> Select<C> for Group<C> {
             tmin: array_of!(i => condition.select(if_true.tmin[i], if_false.tmin[i])),
         }
     }
+}
+
+select_fields! {
+    TriangleHit { is_hit, t, t_num, t_denom, u_num, v_num, is_clockwise, primitive, geometry }
 }

@@ -18,7 +18,8 @@
 
 use crate::blocks::{MAX_LEAF, NODE_KIND, NodeKind};
 use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
-use crate::state::{Answer, Group, NO_INSTANCE, RayState, Request, answer, request, status};
+use crate::query::{Front, InstanceFlags, InstanceWords, Queries};
+use crate::state::{Answer, Group, RayState, Request, answer, request, status};
 use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
 use raypath_ops::{Bit, Flags, Select, Word, array_of, bundle};
 
@@ -29,6 +30,8 @@ pub struct StepParameters {
     pub stack: u32,
     /// The nodes of the scene.
     pub node: NodeKind,
+    /// The order of the vertices of a front face.
+    pub front: Front,
     /// Optional parts.
     pub features: UnitFeatures,
 }
@@ -40,24 +43,33 @@ pub struct UnitFeatures {
     pub barycentrics: bool,
     /// Scenes have instances.
     pub instances: bool,
+    /// What decides which primitives count.
+    pub queries: Queries,
 }
 
 impl Default for StepParameters {
     /// A stack of 8 entries and wide nodes, without optional parts.
     fn default() -> Self {
-        Self { stack: 8, node: NodeKind::Wide4, features: UnitFeatures::OFF }
+        Self { stack: 8, node: NodeKind::Wide4, front: Front::default(), features: UnitFeatures::OFF }
     }
 }
 
 impl UnitFeatures {
     /// No optional parts.
-    pub const OFF: Self = Self { barycentrics: false, instances: false };
+    pub const OFF: Self = Self { barycentrics: false, instances: false, queries: Queries::None };
 
-    /// Whether the hardware has a field of the state, of an answer, of a request or of a hit, by the end of its name.
+    /// Whether there are flags of primitives and instances.
+    pub(crate) fn has_flags(self) -> bool {
+        self.queries != Queries::None
+    }
+
+    /// Whether the hardware has a field of the state, of an answer, of a request or of a hit, by a part of its name.
     pub(crate) fn has(self, field: &str) -> bool {
-        let is_one_of = |ends: &[&str]| ends.iter().any(|end| field.ends_with(end));
+        let is_one_of = |parts: &[&str]| parts.iter().any(|part| field.contains(part));
         (self.barycentrics || !is_one_of(&["u_num", "v_num"]))
-            && (self.instances || !is_one_of(&["inside", "instance", "instance_level"]))
+            && (self.instances || !is_one_of(&["inside", "instance", "cull_mask"]))
+            && (self.has_flags()
+                || !is_one_of(&["flags_", "cull_mask", "culls_", "geometry", "custom_index", "shader_offset"]))
     }
 }
 
@@ -74,8 +86,10 @@ bundle! {
         pub starts: Bit<C>,
         /// The ray's set-up or the memory failed.
         pub failed: Bit<C>,
-        /// The failure is that of the set-up.
+        /// The failure is that of the set-up of a ray that begins.
         pub is_refused: Bit<C>,
+        /// The failure is that of the set-up of a ray in the space of an instance.
+        pub cannot_enter: Bit<C>,
         /// The path descends to a child of the tested node.
         pub descends: Bit<C>,
         /// A second descent does not find its path again, because the ray has become shorter.
@@ -113,21 +127,28 @@ pub fn step<C: WordCircuit>(
     answer: Answer<C>,
     top: Group<C>,
 ) -> (RayState<C>, Request<C>) {
-    finish(c, parameters, prepare(c, parameters.features, state, answer), top)
+    finish(c, parameters, prepare(c, parameters, state, answer), top)
 }
 
 /// The first half of a [`step`], which does not read the stack.
 #[inline(always)]
-pub fn prepare<C: WordCircuit>(c: C, features: UnitFeatures, state: RayState<C>, answer: Answer<C>) -> HalfStep<C> {
+pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState<C>, answer: Answer<C>) -> HalfStep<C> {
+    let features = parameters.features;
     let starts = answer.kind.is(answer::START);
     let has_boxes = answer.kind.is(answer::BOXES);
     let has_block = answer.kind.is(answer::BLOCK);
     let continues = answer.kind.is(answer::CONTINUE);
     let is_refused = answer.kind.is(answer::REFUSED);
-    let failed = answer.kind.is(answer::ERROR) | is_refused;
-    let enters = if features.instances { answer.kind.is(answer::ENTER) } else { c.bit(false) };
+    let [root, index, custom_and_mask, offset_and_flags] = answer.child;
+    let is_of_instance = |kind: u32| if features.instances { answer.kind.is(kind) } else { c.bit(false) };
+    let (may_enter, may_not) = (is_of_instance(answer::ENTER), is_of_instance(answer::CANNOT_ENTER));
+    let mask: Word<C, 8> = custom_and_mask.part::<24, 8>();
+    let no_bit = Word::<C, 8>::new(c, c.word_and(8, mask.value, state.cull_mask.value)).is(0);
+    let is_masked = if features.has_flags() { (may_enter | may_not) & no_bit } else { c.bit(false) };
+    let (enters, cannot_enter) = (may_enter & !is_masked, may_not & !is_masked);
+    let failed = answer.kind.is(answer::ERROR) | is_refused | cannot_enter;
 
-    let state = with_hit(features, state, &answer, has_block);
+    let state = with_hit(parameters, state, &answer, has_block);
     let ends_by_any_hit = has_block & state.any_hit & state.has_hit;
     let leaf_continues = has_block & !ends_by_any_hit & !state.leaf_left.is(0);
     let leaf_ends = has_block & !ends_by_any_hit & state.leaf_left.is(0);
@@ -141,7 +162,7 @@ pub fn prepare<C: WordCircuit>(c: C, features: UnitFeatures, state: RayState<C>,
     let is_lost = has_boxes & !chosen.hit & state.restarting;
 
     // The first remaining child of the deepest pending level.
-    let pops = leaf_ends | continues | (has_boxes & !chosen.hit & !state.restarting);
+    let pops = leaf_ends | continues | is_masked | (has_boxes & !chosen.hit & !state.restarting);
     let deepest = state.pending.deepest();
     let parent = descends.select(state.level, deepest);
     let place = descends.select(first.part::<0, 2>(), place_of(c, &state, deepest).plus_constant(1));
@@ -149,6 +170,7 @@ pub fn prepare<C: WordCircuit>(c: C, features: UnitFeatures, state: RayState<C>,
         starts,
         failed,
         is_refused,
+        cannot_enter,
         descends,
         is_lost,
         leaf_continues,
@@ -159,11 +181,19 @@ pub fn prepare<C: WordCircuit>(c: C, features: UnitFeatures, state: RayState<C>,
         deepest,
         parent,
         place,
-        child: enters.select(answer.child[0], chosen.child),
+        child: enters.select(root, chosen.child),
         rest: Group { present: Flags(array_of!(i => chosen.rest.present.0[i] & !enters)), ..chosen.rest },
         state: RayState {
             inside: state.inside | enters,
-            instance: enters.select(answer.child[1], state.instance),
+            instance: enters.select(
+                InstanceWords {
+                    index,
+                    custom_index: custom_and_mask.part::<0, 24>(),
+                    shader_offset: offset_and_flags.part::<0, 24>(),
+                },
+                state.instance,
+            ),
+            instance_flags: enters.select(InstanceFlags::of(offset_and_flags), state.instance_flags),
             instance_level: enters.select(state.level, state.instance_level),
             // The ray is on its path again where it takes the next child.
             restarting: state.restarting & !is_lost & !(descends & at_target),
@@ -193,20 +223,26 @@ pub fn finish<C: WordCircuit>(
     let level = at_root.select(c.word(0), parent.plus_constant(1));
     let leaves_instance = at_root | (takes & parent.less(state.instance_level));
     let inside = state.inside & !leaves_instance;
-    let target = Target::of(c, parameters.node, child, level);
+    let target = Target::of(c, parameters, child, level);
     let is_instance = if parameters.features.instances { target.is_instance & !inside } else { c.bit(false) };
     let fetches_instance = visits & is_instance;
     let fetches_node = visits & target.is_node;
-    let fetches_leaf = (visits & target.is_leaf) | leaf_continues;
+    let instance_flags = leaves_instance.select(InstanceFlags::none(c), state.instance_flags);
+    let skips_leaf = if parameters.features.has_flags() {
+        visits & target.is_leaf & state.flags.skip(state.flags.is_opaque(target.is_opaque, instance_flags))
+    } else {
+        c.bit(false)
+    };
+    let fetches_leaf = (visits & target.is_leaf & !skips_leaf) | leaf_continues;
     let left = leaf_continues.select(state.leaf_left, target.count);
     let full = parameters.node.triangles_per_block();
     let count = left.less(c.word(full)).select(left.part::<0, 2>(), c.word(full));
     let address = leaf_continues.select(state.leaf_address, target.address);
 
     let is_over_limit = !(state.nodes.less(c.word(VISIT_LIMIT)) & state.triangles.less(c.word(VISIT_LIMIT)));
-    let is_invalid =
-        (visits & !target.is_node & !target.is_leaf & !is_instance) | ((visits | leaf_continues) & is_over_limit);
-    let errs = half.failed | is_invalid;
+    let is_over_limit = (fetches_node | fetches_instance | fetches_leaf) & is_over_limit;
+    let is_invalid = visits & !target.is_node & !target.is_leaf & !is_instance;
+    let errs = half.failed | is_invalid | is_over_limit;
     let is_done = errs | half.ends_by_any_hit | (pops & is_empty);
 
     let group = descends.select(half.rest, top.rest(c));
@@ -231,13 +267,18 @@ pub fn finish<C: WordCircuit>(
         leaf_address: fetches_leaf.select(address.plus_constant(parameters.node.block_bytes()), state.leaf_address),
         leaf_left: fetches_leaf.select(without(c, left, count), state.leaf_left),
         inside,
-        instance: leaves_instance.select(c.word(NO_INSTANCE), state.instance),
+        instance: leaves_instance.select(InstanceWords::none(c), state.instance),
+        instance_flags,
         ..state
     };
-    let kind = is_done
-        .select(c.word(request::DONE), (drops | is_lost).select(c.word(request::CONTINUE), c.word(request::FETCH)));
+    let kind = is_done.select(
+        c.word(request::DONE),
+        (drops | is_lost | skips_leaf).select(c.word(request::CONTINUE), c.word(request::FETCH)),
+    );
     let found = state.has_hit.select(c.word(status::HIT), c.word(status::MISS));
-    let failure = half.is_refused.select(c.word(status::REFUSED), c.word(status::ERROR));
+    let of_scene = (is_invalid | half.cannot_enter).select(c.word(status::SCENE), c.word(status::LIMIT));
+    let of_memory = (half.failed & !half.cannot_enter).select(c.word(status::MEMORY), of_scene);
+    let failure = half.is_refused.select(c.word(status::REFUSED), of_memory);
     let request = Request {
         kind,
         address,
@@ -246,30 +287,39 @@ pub fn finish<C: WordCircuit>(
         writes,
         level: parent,
         group,
+        culls: state.flags.culls(parameters.front, instance_flags),
         status: errs.select(failure, found),
     };
     (next, request)
 }
 
-/// The state with the closest hit of a block: the closer one, at equal distances that of the lower instance, then that
-/// of the lower index.
+/// The state with the closest hit of a block: the closer one, of hits at equal distances that of the lower instance,
+/// geometry and index, in this order.
 #[inline(always)]
 fn with_hit<C: WordCircuit>(
-    features: UnitFeatures,
+    parameters: StepParameters,
     state: RayState<C>,
     answer: &Answer<C>,
     has_block: Bit<C>,
 ) -> RayState<C> {
-    let hit = answer.closest;
+    let (hit, features) = (answer.closest, parameters.features);
     let distance = hit.t.compare(state.extent);
-    let is_lower = hit.triangle.less(state.triangle);
-    let is_lower = if features.instances {
-        state.instance.less(state.hit_instance) | (same(state.instance, state.hit_instance) & is_lower)
-    } else {
-        is_lower
-    };
-    let wins_tie = !state.has_hit | is_lower;
+    let mut is_lower = hit.primitive.less(state.primitive);
+    if features.has_flags() {
+        is_lower = hit.geometry.less(state.geometry) | (same(hit.geometry, state.geometry) & is_lower);
+    }
+    if features.instances {
+        let (index, of_hit) = (state.instance.index, state.hit_instance.index);
+        is_lower = index.less(of_hit) | (same(index, of_hit) & is_lower);
+    }
+    // A hit at the ray's own end does not count.
+    let wins_tie = state.has_hit & is_lower;
     let is_better = has_block & hit.is_hit & (distance.less() | (distance.equal() & wins_tie));
+    let is_flipped = match parameters.front {
+        Front::CounterClockwise => state.instance_flags.flipped,
+        Front::Clockwise => !state.instance_flags.flipped,
+    };
+    let back_face = is_flipped.select(!hit.is_clockwise, hit.is_clockwise);
     RayState {
         extent: is_better.select(hit.t, state.extent),
         has_hit: state.has_hit | is_better,
@@ -277,8 +327,9 @@ fn with_hit<C: WordCircuit>(
         t_denom: is_better.select(hit.t_denom, state.t_denom),
         u_num: is_better.select(hit.u_num, state.u_num),
         v_num: is_better.select(hit.v_num, state.v_num),
-        back_face: is_better.select(hit.back_face, state.back_face),
-        triangle: is_better.select(hit.triangle, state.triangle),
+        back_face: is_better.select(back_face, state.back_face),
+        primitive: is_better.select(hit.primitive, state.primitive),
+        geometry: is_better.select(hit.geometry, state.geometry),
         hit_instance: is_better.select(state.instance, state.hit_instance),
         ..state
     }
@@ -329,6 +380,8 @@ struct Target<C: WordCircuit> {
     is_node: Bit<C>,
     is_leaf: Bit<C>,
     is_instance: Bit<C>,
+    /// The geometry of a leaf is opaque.
+    is_opaque: Bit<C>,
     address: Word<C, 32>,
     /// The number of triangles of a leaf.
     count: Word<C, 4>,
@@ -338,7 +391,8 @@ impl<C: WordCircuit> Target<C> {
     /// What a child word at this level refers to: nothing if its kind is not valid, or if a node or an instance is too
     /// deep.
     #[inline(always)]
-    fn of(c: C, node: NodeKind, child: Word<C, 32>, level: Word<C, 7>) -> Self {
+    fn of(c: C, parameters: StepParameters, child: Word<C, 32>, level: Word<C, 7>) -> Self {
+        let StepParameters { node, features, .. } = parameters;
         // The bits of the kind, and the address without them.
         let low = node.offset_bits();
         let part = |low, width| c.word_part(child.value, low, width);
@@ -347,10 +401,16 @@ impl<C: WordCircuit> Target<C> {
             NodeKind::Quantised => child.part::<0, 6>().widened(),
         };
         let fits = level.less(c.word(LEVELS));
-        let is_leaf = !kind.is(0) & kind.less(c.word(MAX_LEAF + 1));
+        let last = if features.has_flags() { 2 * MAX_LEAF } else { MAX_LEAF };
+        let is_leaf = !kind.is(0) & kind.less(c.word(last + 1));
+        let is_opaque = kind.less(c.word(MAX_LEAF + 1));
+        // Kinds 9 to 16 have the counts 1 to 8: their three lowest bits, where 0 stands for 8.
+        let lowest: Word<C, 3> = child.part::<0, 3>();
+        let lowest = Word::new(c, c.word_join((1, c.word_of_bit(lowest.is(0).value)), (3, lowest.value)));
+        let count = if features.has_flags() { lowest } else { child.part::<0, 4>() };
         let address = Word::new(c, c.word_join((32 - low, part(low, 32 - low)), (low, c.constant_word(low, 0))));
         let is_instance = fits & kind.is(INSTANCE_KIND);
-        Self { is_node: fits & kind.is(NODE_KIND), is_leaf, is_instance, address, count: child.part::<0, 4>() }
+        Self { is_node: fits & kind.is(NODE_KIND), is_leaf, is_instance, is_opaque, address, count }
     }
 }
 

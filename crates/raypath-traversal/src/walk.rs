@@ -5,11 +5,12 @@ use crate::blocks::NodeKind;
 use crate::fold::HitLimits;
 use crate::model::{Memory, RayRequest, Reply};
 use crate::native::{self, Stack, empty_stack};
+use crate::query::Culls;
 use crate::set_up::Entry;
 use crate::state::{Answer, RayState, Request, request, status};
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_model::{State, StateWords, state};
-use raypath_ops::{Binary32, Vec3, Word};
+use raypath_ops::{Binary32, Vec3};
 
 /// A ray on its way through a scene.
 #[derive(Debug, Clone)]
@@ -60,8 +61,8 @@ impl Walk {
         Self {
             outside: ready,
             inside: ready,
-            limits: HitLimits { t_min: zero, cull_back: no, cull_front: no },
-            state: RayState::begin(Binary32, Word::truncate(0), zero, no),
+            limits: HitLimits { t_min: zero, culls: Culls { clockwise: no, counter_clockwise: no } },
+            state: RayState::begin(Binary32, RayRequest::NONE.words()),
             stack: empty_stack(),
             asked: Asked::NOTHING,
             status: status::MISS,
@@ -69,10 +70,10 @@ impl Walk {
     }
 
     /// A ray begins.
-    pub fn begin(&mut self, answers: &Answers, ray: &RayRequest) {
-        self.outside = answers.set_up(&Entry::from(ray));
-        self.limits = ray.limits();
-        self.state = RayState::begin(Binary32, Word::truncate(ray.root), ray.t_max.into(), ray.any_hit.into());
+    pub fn begin(&mut self, answers: &Answers, parameters: StepParameters, ray: &RayRequest) {
+        self.outside = answers.ready(ray);
+        self.limits = ray.limits(parameters);
+        self.state = RayState::begin(Binary32, ray.words());
         self.asked = Asked { kind: AskedKind::Begin, ..Asked::NOTHING };
     }
 
@@ -118,6 +119,9 @@ impl Walk {
         let was_restarting = self.state.restarting;
         let request = native::step(parameters, &mut self.state, answer, &mut self.stack);
         self.status = request.status.value;
+        if parameters.features.has_flags() {
+            self.limits.culls = request.culls;
+        }
         self.asked = Asked::of(&request);
         self.asked.restarts = (self.state.restarting & !was_restarting).into();
         self.asked

@@ -39,7 +39,7 @@ fn every_ray_ends_within_the_bound() {
         (32, 1024, 2, true),
     ];
     for (number, (contexts, memory_width, latency, instances)) in settings.into_iter().enumerate() {
-        let features = UnitFeatures { barycentrics: number % 2 == 1, instances };
+        let features = UnitFeatures { barycentrics: number % 2 == 1, instances, ..UnitFeatures::OFF };
         let step = StepParameters { stack: 2, features, ..StepParameters::default() };
         let parameters = UnitParameters { contexts, memory_width, step, ..UnitParameters::default() };
         let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");

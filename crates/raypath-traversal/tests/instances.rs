@@ -1,8 +1,8 @@
 //! Scenes of two levels: what a ray does in an instance, made by hand, and against every triangle in binary64.
 
-use crate::common::{along_z, at};
-use rand::SeedableRng;
+use crate::common::{along_z, at, cross, dot, minus};
 use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Operation, Rules, Triangle};
 use raypath_rtl::Config;
@@ -11,11 +11,13 @@ use raypath_traversal::state::status;
 use raypath_traversal::traffic::{BlockScene as Scene, TwoLevelScene, never, random_ray};
 use raypath_traversal::{
     BlockRequest, INSTANCE_KIND, Instance, RayRequest, Reply, Response, Row, StepParameters, Transform, TransformInput,
-    Unit, UnitEngine, UnitFeatures, UnitInputs, UnitModel, UnitNetlist, UnitParameters,
+    Unit, UnitEngine, UnitFeatures, UnitInputs, UnitModel, UnitNetlist, UnitParameters, ray_flags,
 };
 
 const STACKS: [u32; 5] = [2, 4, 8, 16, 32];
-const INSTANCES: UnitFeatures = UnitFeatures { barycentrics: false, instances: true };
+const BACK: u32 = ray_flags::CULL_BACK_FACING_TRIANGLES;
+const FRONT: u32 = ray_flags::CULL_FRONT_FACING_TRIANGLES;
+const INSTANCES: UnitFeatures = UnitFeatures { instances: true, ..UnitFeatures::OFF };
 const IDENTITY: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 fn trace(scene: &Scene, stack: u32, ray: &RayRequest) -> Reply {
@@ -38,7 +40,7 @@ fn over<const N: usize>(scene: &mut Scene, of: [u32; N]) -> u32 {
 /// The hit of a ray along z: instance, triangle, distance, back face.
 fn found(scene: &Scene, root: u32) -> (Option<u32>, u32, f32, bool) {
     let replies = STACKS.map(|stack| trace(scene, stack, &along_z(root)).hit.expect("a hit"));
-    let hits = replies.map(|hit| (hit.instance, hit.triangle, hit.t, hit.back_face));
+    let hits = replies.map(|hit| (hit.instance.map(|instance| instance.index), hit.primitive, hit.t, hit.back_face));
     assert!(hits.iter().all(|hit| *hit == hits[0]), "the stack changes the hit: {hits:?}");
     hits[0]
 }
@@ -74,7 +76,7 @@ fn ties_are_settled_by_instance_and_index() {
         let object = scene.leaf(&[at(3.0, 4), at(3.0, 2), at(3.0, 3)]);
         let mut parts: [u32; 4] = std::array::from_fn(|place| {
             let index = (place as u32 + rotation) % 4;
-            scene.instance(&Instance { to_object: IDENTITY, root: object, index })
+            scene.instance(&Instance { root: object, index, ..Instance::default() })
         });
         parts[rotation as usize] = scene.leaf(&[at(3.0, 0)]);
         // The leaf is in the place of instance 0 or 2.
@@ -96,7 +98,7 @@ fn a_ray_leaves_an_instance() {
     let missed = scene.leaf(&[LeafTriangle { triangle: Triangle::new(missed[0], missed[1], missed[2]), index: 9 }]);
     let aside = over(&mut scene, [aside]);
     let to_object = [IDENTITY[2], IDENTITY[1], IDENTITY[0]];
-    let instance = scene.instance(&Instance { to_object, root: aside, index: 0 });
+    let instance = scene.instance(&Instance { to_object, root: aside, ..Instance::default() });
     let outside = scene.leaf(&[at(9.0, 2)]);
     let deep = over(&mut scene, [instance, outside]);
     for parts in [[instance, outside], [outside, instance], [instance, deep], [deep, instance]] {
@@ -108,7 +110,7 @@ fn a_ray_leaves_an_instance() {
     for _ in 0..20 {
         object = over(&mut scene, [object, aside]);
     }
-    let mut root = scene.instance(&Instance { to_object, root: object, index: 0 });
+    let mut root = scene.instance(&Instance { to_object, root: object, ..Instance::default() });
     for _ in 0..20 {
         root = over(&mut scene, [root, missed]);
     }
@@ -118,31 +120,33 @@ fn a_ray_leaves_an_instance() {
 
 #[test]
 fn instances_that_no_ray_can_enter_end_it() {
-    let error = |scene: &Scene, root: u32, features: UnitFeatures| {
+    let error = |scene: &Scene, root: u32, features: UnitFeatures, expected: u32| {
         for stack in STACKS {
             let reply = Unit::new(Rules::Paper, StepParameters { stack, features, ..StepParameters::default() })
                 .trace(&scene.0[..], &along_z(root));
-            assert_eq!(reply.status, status::ERROR, "stack {stack}");
+            assert_eq!(reply.status, expected, "stack {stack}");
         }
     };
     let mut scene = Scene::default();
     let object = scene.leaf(&[at(3.0, 0)]);
-    let fine = Instance { to_object: IDENTITY, root: object, index: 0 };
+    let fine = Instance { root: object, ..Instance::default() };
     let valid = scene.instance(&fine);
     assert_eq!(found(&scene, valid), (Some(0), 0, 4.0, false));
-    error(&scene, valid, UnitFeatures::OFF);
+    error(&scene, valid, UnitFeatures::OFF, status::SCENE);
     // Nested, directly and below a node; nothing; no valid kind; behind the end of the memory.
     let below = over(&mut scene, [valid]);
-    for root in [valid, below, 0, 31, 34, 0x4000_0020] {
+    for root in [valid, below, 0, 31, 34] {
         let word = scene.instance(&Instance { root, ..fine });
-        error(&scene, word, INSTANCES);
+        error(&scene, word, INSTANCES, status::SCENE);
     }
-    error(&scene, 0x4000_0000 | INSTANCE_KIND, INSTANCES);
+    let word = scene.instance(&Instance { root: 0x4000_0020, ..fine });
+    error(&scene, word, INSTANCES, status::MEMORY);
+    error(&scene, 0x4000_0000 | INSTANCE_KIND, INSTANCES, status::MEMORY);
     // Directions and origins that are not finite, zero, or too short.
     let z = |number: f32, t: f32| [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, number, t]];
     for to_object in [z(0.0, 0.0), z(f32::NAN, 0.0), z(f32::INFINITY, 0.0), z(1e-40, 0.0), z(1.0, f32::NEG_INFINITY)] {
         let word = scene.instance(&Instance { to_object, ..fine });
-        error(&scene, word, INSTANCES);
+        error(&scene, word, INSTANCES, status::SCENE);
     }
     // An instance is a level, of which there are 64.
     for (depth, is_valid) in [(63, true), (64, false)] {
@@ -153,7 +157,7 @@ fn instances_that_no_ray_can_enter_end_it() {
         if is_valid {
             assert_eq!(found(&scene, root), (Some(0), 0, 4.0, false))
         } else {
-            error(&scene, root, INSTANCES)
+            error(&scene, root, INSTANCES, status::SCENE)
         }
     }
 }
@@ -164,6 +168,7 @@ struct Exact {
     t: f64,
     instance: Option<u32>,
     triangle: u32,
+    is_front: bool,
     margin: f64,
 }
 
@@ -188,24 +193,14 @@ fn all_hits(scene: &TwoLevelScene, ray: &RayRequest) -> Vec<Exact> {
             let q = cross(ao, ab);
             let [u, v, t] = [dot(ao, p), dot(direction, q), dot(ac, q)].map(|number| number / determinant);
             let is_front = determinant > 0.0;
-            if !(if is_front { ray.cull_front } else { ray.cull_back }) {
-                hits.push(Exact { t, instance, triangle: *index, margin: u.min(v).min(1.0 - u - v) });
+            let culled_by = if is_front { FRONT } else { BACK };
+            if ray.flags & culled_by == 0 {
+                let margin = u.min(v).min(1.0 - u - v);
+                hits.push(Exact { t, instance, triangle: *index, is_front, margin });
             }
         }
     }
     hits
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The nearest hit, if rounding cannot change which it is.
@@ -215,12 +210,12 @@ fn certain(scene: &TwoLevelScene, ray: &RayRequest) -> Option<Option<Exact>> {
     let all = all_hits(scene, ray);
     let possible = |hit: &&Exact| hit.margin > -NEAR && hit.t > t_min - NEAR && hit.t < t_max + NEAR;
     let near: Vec<&Exact> = all.iter().filter(possible).collect();
-    // Copies of an instance or a triangle have exactly the same distance: the lowest index wins.
+    // Copies of an instance or a triangle with the same face have exactly the same distance: the lowest index wins.
     let first =
         near.iter().min_by(|a, b| a.t.total_cmp(&b.t).then((a.instance, a.triangle).cmp(&(b.instance, b.triangle))));
     let Some(&&first) = first else { return Some(None) };
     let is_certain = first.margin > NEAR && first.t > t_min + NEAR && first.t < t_max - NEAR;
-    let is_alone = near.iter().all(|hit| hit.t == first.t || hit.t > first.t + NEAR);
+    let is_alone = near.iter().all(|hit| (hit.t, hit.is_front) == (first.t, first.is_front) || hit.t > first.t + NEAR);
     (is_certain && is_alone).then_some(Some(first))
 }
 
@@ -231,7 +226,8 @@ fn hits_are_those_of_every_triangle_in_binary64() {
     for number in 0..60 {
         let scene = TwoLevelScene::random(1 + number % 12, false, &mut random);
         for _ in 0..200 {
-            let ray = RayRequest { any_hit: false, ..random_ray(scene.root, &mut random) };
+            let ray = random_ray(scene.root, &mut random);
+            let ray = RayRequest { flags: [0, BACK, FRONT][random.random_range(0..3)], ..ray };
             let replies = STACKS.map(|stack| trace(&scene.blocks, stack, &ray));
             assert!(
                 replies.iter().all(|reply| format!("{:?}", reply.hit) == format!("{:?}", replies[0].hit)),
@@ -244,7 +240,7 @@ fn hits_are_those_of_every_triangle_in_binary64() {
             let Some(expected) = certain(&scene, &ray) else { continue };
             certainly += 1;
             let of = |instance, triangle| (instance, triangle);
-            let found = replies[0].hit.map(|hit| of(hit.instance, hit.triangle));
+            let found = replies[0].hit.map(|hit| of(hit.instance.map(|instance| instance.index), hit.primitive));
             assert_eq!(found, expected.map(|hit| of(hit.instance, hit.triangle)), "{ray:?} {expected:?}");
             if let (Some(hit), Some(expected)) = (replies[0].hit, expected) {
                 inside += u32::from(hit.instance.is_some());
@@ -253,7 +249,8 @@ fn hits_are_those_of_every_triangle_in_binary64() {
                     "{ray:?} {hit:?} {expected:?}"
                 );
             }
-            let any = trace(&scene.blocks, 8, &RayRequest { any_hit: true, ..ray });
+            let any =
+                trace(&scene.blocks, 8, &RayRequest { flags: ray.flags | ray_flags::TERMINATE_ON_FIRST_HIT, ..ray });
             assert_eq!(any.hit.is_some(), expected.is_some(), "{ray:?}");
         }
     }
@@ -266,7 +263,7 @@ fn hits_are_those_of_every_triangle_in_binary64() {
 fn an_instance_takes_as_many_cycles_as_documented() {
     let mut scene = Scene::default();
     let object = scene.leaf(&[at(3.0, 0)]);
-    let root = scene.instance(&Instance { to_object: IDENTITY, root: object, index: 0 });
+    let root = scene.instance(&Instance { root: object, ..Instance::default() });
     let step = StepParameters { features: INSTANCES, ..StepParameters::default() };
     let parameters = UnitParameters { memory_width: 1024, step, ..UnitParameters::default() };
     let mut unit = UnitModel::new(&Shape::default(), parameters);

@@ -6,6 +6,7 @@ mod common;
 mod descent;
 mod instances;
 mod quantised;
+mod queries;
 mod scenes;
 mod state;
 mod system;

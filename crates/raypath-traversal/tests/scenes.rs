@@ -8,7 +8,7 @@ use raypath_traversal::state::status;
 use raypath_traversal::traffic::{BlockScene, never};
 use raypath_traversal::{
     BlockRequest, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
-    UnitParameters,
+    UnitParameters, ray_flags,
 };
 
 const STACKS: [u32; 5] = [2, 4, 8, 16, 32];
@@ -53,7 +53,7 @@ fn deep_paths_are_walked_to_their_end_and_back() {
         for stack in STACKS {
             let reply = trace(&memory, root, stack);
             let hit = reply.hit.expect("a hit");
-            assert_eq!((reply.status, hit.triangle, hit.t), (status::HIT, 7, 101.0), "depth {depth}, stack {stack}");
+            assert_eq!((reply.status, hit.primitive, hit.t), (status::HIT, 7, 101.0), "depth {depth}, stack {stack}");
             assert_eq!(reply.triangles, depth, "every leaf is read once, depth {depth}, stack {stack}");
             let again = reply.nodes - depth;
             assert_eq!(again > 0, depth - 1 > stack, "depth {depth}, stack {stack}: {again} nodes are read again");
@@ -68,7 +68,7 @@ fn the_closest_of_all_levels_wins() {
         // The leaf of the deepest level is nearest to the ray.
         for stack in STACKS {
             let hit = trace(&memory, root, stack).hit.expect("a hit");
-            assert_eq!((hit.triangle, hit.t), (59, 42.0), "stack {stack}");
+            assert_eq!((hit.primitive, hit.t), (59, 42.0), "stack {stack}");
         }
     }
 }
@@ -81,7 +81,7 @@ fn ties_are_settled_by_the_index() {
         let all: Vec<LeafTriangle> = (0..8).map(|place| at(3.0, (place + rotation) % 8)).collect();
         let leaf = memory.leaf(&all);
         let hit = trace(&memory, leaf, 2).hit.expect("a hit");
-        assert_eq!((hit.triangle, hit.t), (0, 4.0));
+        assert_eq!((hit.primitive, hit.t), (0, 4.0));
         let reply = trace(&memory, leaf, 2);
         assert_eq!((reply.nodes, reply.triangles), (0, 8), "the root may be a leaf");
     }
@@ -89,6 +89,8 @@ fn ties_are_settled_by_the_index() {
 
 #[test]
 fn faces_and_ends_of_the_ray() {
+    const BACK: u32 = ray_flags::CULL_BACK_FACING_TRIANGLES;
+    const FRONT: u32 = ray_flags::CULL_FRONT_FACING_TRIANGLES;
     let mut memory = BlockScene::default();
     let LeafTriangle { triangle: Triangle { a, b, c }, .. } = at(3.0, 0);
     let back = LeafTriangle { triangle: Triangle { a, b: c, c: b }, index: 1 };
@@ -97,15 +99,19 @@ fn faces_and_ends_of_the_ray() {
         let mut ray = along_z(root);
         change(&mut ray);
         let reply = Unit::new(Rules::Paper, StepParameters::default()).trace(&memory.0[..], &ray);
-        (reply.status, reply.hit.map(|hit| (hit.triangle, hit.back_face)))
+        (reply.status, reply.hit.map(|hit| (hit.primitive, hit.back_face)))
     };
     assert_eq!(trace(&|_| {}), (status::HIT, Some((1, true))));
-    assert_eq!(trace(&|ray| ray.cull_back = true), (status::HIT, Some((0, false))));
-    assert_eq!(trace(&|ray| ray.cull_front = true), (status::HIT, Some((1, true))));
-    assert_eq!(trace(&|ray| (ray.cull_front, ray.cull_back) = (true, true)), (status::MISS, None));
+    assert_eq!(trace(&|ray| ray.flags = BACK), (status::HIT, Some((0, false))));
+    assert_eq!(trace(&|ray| ray.flags = FRONT), (status::HIT, Some((1, true))));
+    assert_eq!(trace(&|ray| ray.flags = BACK | FRONT), (status::REFUSED, None));
+    for none in [ray_flags::SKIP_TRIANGLES, ray_flags::CULL_OPAQUE] {
+        assert_eq!(trace(&|ray| ray.flags = none), (status::MISS, None));
+    }
     assert_eq!(trace(&|ray| ray.t_min = 4.5), (status::HIT, Some((0, false))));
-    assert_eq!(trace(&|ray| ray.t_min = 4.0), (status::HIT, Some((1, true))), "the ends belong to the ray");
-    assert_eq!(trace(&|ray| ray.t_max = 4.0), (status::HIT, Some((1, true))));
+    assert_eq!(trace(&|ray| ray.t_min = 4.0), (status::HIT, Some((0, false))), "the ends do not belong to the ray");
+    assert_eq!(trace(&|ray| ray.t_max = 4.0), (status::MISS, None));
+    assert_eq!(trace(&|ray| ray.t_max = 4.000_001), (status::HIT, Some((1, true))));
     assert_eq!(trace(&|ray| ray.t_max = 3.9), (status::MISS, None));
     assert_eq!(trace(&|ray| ray.direction = [0.0; 3]), (status::REFUSED, None));
     for (limit, refused) in [(f32::NAN, true), (-1.0, true), (-f32::MIN_POSITIVE, true), (-0.0, false)] {
@@ -123,20 +129,20 @@ fn faces_and_ends_of_the_ray() {
 fn weights_of_vertices_give_the_point_of_the_hit() {
     let (front, mut memory) = (at(3.0, 0), BlockScene::default());
     let Triangle { a, b, c } = front.triangle;
-    let back = LeafTriangle { triangle: Triangle { a: c, b, c: a }, index: 0 };
+    let back = LeafTriangle { triangle: Triangle { a, b: c, c: b }, index: 0 };
     let roots = [memory.leaf(&[front]), memory.leaf(&[back])];
     let [a, b, c] = [a, b, c].map(<[f32; 3]>::from);
     let features = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
     let mut unit = Unit::new(Rules::Paper, StepParameters { features, ..StepParameters::default() });
     for (u, v) in [(0.25, 0.5), (0.5, 0.125), (0.0625, 0.75), (0.875, 0.0625), (0.3, 0.3)] {
         let w = 1.0 - u - v;
-        let point: [f32; 3] = std::array::from_fn(|axis| u * a[axis] + v * b[axis] + w * c[axis]);
-        for (root, first) in roots.into_iter().zip([u, w]) {
+        let point: [f32; 3] = std::array::from_fn(|axis| w * a[axis] + u * b[axis] + v * c[axis]);
+        for (root, [u, v]) in roots.into_iter().zip([[u, v], [v, u]]) {
             let ray = RayRequest { origin: [point[0], point[1], -1.0], ..along_z(root) };
             let [found_u, found_v] =
                 unit.trace(&memory.0[..], &ray).hit.and_then(|hit| hit.barycentric).expect("weights");
-            let error = (found_u - first).abs().max((found_v - v).abs());
-            assert!(error < 1e-6, "{found_u} {found_v}, expected {first} {v}");
+            let error = (found_u - u).abs().max((found_v - v).abs());
+            assert!(error < 1e-6, "{found_u} {found_v}, expected {u} {v}");
         }
     }
     let hit = Unit::new(Rules::Paper, StepParameters::default()).trace(&memory.0[..], &along_z(roots[0])).hit;
@@ -146,32 +152,33 @@ fn weights_of_vertices_give_the_point_of_the_hit() {
 #[test]
 fn memories_that_are_no_trees_end_the_ray() {
     let everywhere = around(0.0, 100.0);
-    let error = |memory: &BlockScene, root: u32| {
+    let error = |memory: &BlockScene, root: u32, expected: u32| {
         for stack in STACKS {
-            assert_eq!(trace(memory, root, stack).status, status::ERROR, "stack {stack}");
+            assert_eq!(trace(memory, root, stack).status, expected, "stack {stack}");
         }
     };
     let mut memory = BlockScene::default();
     let leaf = memory.leaf(&[at(3.0, 0)]);
     let own = Child::Node { address: memory.address() }.word(NodeKind::Wide4).expect("a node");
     let cycle = memory.node([everywhere, never(), never(), never()], [own, 0, 0, 0]);
-    error(&memory, cycle);
+    error(&memory, cycle, status::SCENE);
     // A child outside of the memory, none although its box is hit, and kinds that are not valid.
     for child in [0x4000_0000 | 32, 0, 9, 31, 33, 63, leaf | 64, 0x80] {
+        let expected = if child >> 30 == 1 { status::MEMORY } else { status::SCENE };
         let root = memory.node([everywhere, never(), never(), never()], [child, 0, 0, 0]);
-        error(&memory, root);
-        error(&memory, child);
+        error(&memory, root, expected);
+        error(&memory, child, expected);
     }
     // One level too deep.
     let (memory, root) = path(65, |_| None);
-    error(&memory, root);
+    error(&memory, root, status::SCENE);
     // The same node four times at each level: more paths than a ray may walk.
     let mut memory = BlockScene::default();
     let mut next = memory.leaf(&[LeafTriangle { index: 0, ..at(-50.0, 0) }]);
     for _ in 0..20 {
         next = memory.node([everywhere; 4], [next; 4]);
     }
-    assert_eq!(trace(&memory, next, 8).status, status::ERROR);
+    assert_eq!(trace(&memory, next, 8).status, status::LIMIT);
 }
 
 /// The cycles from the last beat of a block to the next request of its ray, as `docs/reference/unit.md` has them.

@@ -3,12 +3,14 @@
 
 use raypath_hdl::depends_combinationally;
 use raypath_rtl::{Config, Control};
-use raypath_traversal::{StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
+use raypath_traversal::{Queries, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 
 fn unit(control: Control) -> UnitNetlist {
     // With all that a unit can have.
-    let step =
-        StepParameters { features: UnitFeatures { barycentrics: true, instances: true }, ..StepParameters::default() };
+    let step = StepParameters {
+        features: UnitFeatures { barycentrics: true, instances: true, queries: Queries::Flags },
+        ..StepParameters::default()
+    };
     let parameters = UnitParameters { contexts: 8, memory_width: 256, step, ..UnitParameters::default() };
     UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit")
 }

@@ -8,8 +8,8 @@ use raypath_traversal::state::status;
 use raypath_traversal::system::{MemoryParameters, RayUser, simulate};
 use raypath_traversal::traffic::{BlockScene, TwoLevelScene, random_ray};
 use raypath_traversal::{
-    Memory, RayRequest, Reply, Response, StepParameters, UnitEngine, UnitFeatures, UnitInputs, UnitModel, UnitOutputs,
-    UnitParameters,
+    Memory, Queries, RayRequest, Reply, Response, StepParameters, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
+    UnitOutputs, UnitParameters,
 };
 use std::collections::VecDeque;
 
@@ -80,11 +80,11 @@ fn simulations_equal_the_unit_at_its_ports() {
         (100, 8, 1024, 57, wide, none),
         (100, 16, 256, 40, quantised, none),
         (100, 16, 512, 40, wide, UnitFeatures { instances: true, ..none }),
-        (100, 16, 512, 40, wide, UnitFeatures { instances: true, barycentrics: true }),
+        (100, 16, 512, 40, wide, UnitFeatures { instances: true, barycentrics: true, queries: Queries::Flags }),
         (100, 16, 128, 40, quantised, UnitFeatures { barycentrics: true, ..none }),
     ] {
         let (BlockScene(scene, _), root) = if features.instances {
-            let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(20, true, &mut random);
+            let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(20, false, &mut random);
             (blocks, root)
         } else {
             BlockScene::random_of(node, 200, &mut random)
@@ -92,7 +92,7 @@ fn simulations_equal_the_unit_at_its_ports() {
         let step = StepParameters { node, features, ..StepParameters::default() };
         let parameters = UnitParameters { contexts, memory_width, step, ..UnitParameters::default() };
         let mut ray = |number| {
-            let root = if number % 16 == 5 { 1 << 30 | NODE_KIND } else { root };
+            let root = if number % 8 == 5 { 1 << 30 | NODE_KIND } else { root };
             (number, random_ray(root, &mut random))
         };
         let rays = (0..rays).map(&mut ray).collect();
@@ -105,7 +105,8 @@ fn simulations_equal_the_unit_at_its_ports() {
         assert_eq!(timing.unit, unit.counts(), "{parameters}, latency {latency}");
         assert_eq!(user.replies, replies, "{parameters}, latency {latency}");
         let with = |wanted| replies.iter().filter(|(_, reply)| reply.status == wanted).count();
-        assert!([status::HIT, status::MISS, status::ERROR].into_iter().all(|wanted| with(wanted) > 0));
+        let ends = [status::HIT, status::MISS, status::MEMORY].map(with);
+        assert!(ends.into_iter().all(|count| count > 0), "{parameters}: {ends:?}");
         assert_eq!(timing.unit.transforms > 0, features.instances);
     }
 }

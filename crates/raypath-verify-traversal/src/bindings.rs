@@ -152,7 +152,7 @@ fn of_memory(name: &str, address: u32, width: u32) -> String {
 /// has 0.
 const VALUES: [(&str, &str, u32, bool); 7] = [
     ("t", "extent", 32, true),
-    ("triangle", "triangle", 32, true),
+    ("primitive", "primitive", 32, true),
     ("t_num", "t_num", 32, true),
     ("t_denom", "t_denom", 32, true),
     ("back_face", "back_face", 1, true),
@@ -162,10 +162,10 @@ const VALUES: [(&str, &str, u32, bool); 7] = [
 
 /// The values that a ray ends with, those that its hit shows, and those that are kept for one context.
 pub fn hits(setting: &Setting, _: &Module) -> String {
-    let width: u32 = 2 + VALUES.iter().map(|(_, _, width, _)| width).sum::<u32>();
+    let width: u32 = 3 + VALUES.iter().map(|(_, _, width, _)| width).sum::<u32>();
     let (mut given, mut shown) = ("status_i".to_string(), "status_o".to_string());
     for (name, field, width, is_of_hit) in VALUES {
-        let mask = if is_of_hit { format!(" & {{{width}{{status_i == 2'd1}}}}") } else { String::new() };
+        let mask = if is_of_hit { format!(" & {{{width}{{status_i == 3'd1}}}}") } else { String::new() };
         let _ = write!(given, ", next_{field}_i{mask}");
         let _ = write!(shown, ", {name}_o");
     }

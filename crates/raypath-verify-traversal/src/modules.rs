@@ -36,7 +36,7 @@ type Check = fn(&mut Bench, UnitParameters) -> Result<(), String>;
 
 fn check_of(module: &Module) -> Option<Check> {
     let check: Check = match module.name() {
-        "raypath_unit_prepare" => |bench, unit| steps::prepare(bench, unit.step.features),
+        "raypath_unit_prepare" => |bench, unit| steps::prepare(bench, unit.step),
         "raypath_unit_finish" => |bench, unit| steps::finish(bench, unit.step),
         "raypath_unit_set_up" | "raypath_unit_entries" => |bench, unit| set_up::run(bench, unit.divider_latency),
         "raypath_unit_decoder" => |bench, _| decoder::run(bench),

@@ -5,14 +5,19 @@ use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
 use raypath_tools::ToolError;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::{StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
+use raypath_traversal::{Front, Queries, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 use raypath_verify::Error;
 use std::sync::Arc;
 
 /// The least unit: the faults of the claims are in its text.
 pub(super) const LEAST: UnitParameters = UnitParameters {
     contexts: 8,
-    step: StepParameters { stack: 2, node: NodeKind::Wide4, features: UnitFeatures::OFF },
+    step: StepParameters {
+        stack: 2,
+        node: NodeKind::Wide4,
+        front: Front::CounterClockwise,
+        features: UnitFeatures::OFF,
+    },
     memory_width: 256,
     id_width: 16,
     divider_latency: 2,
@@ -35,7 +40,11 @@ impl Variant {
 
     /// The parameters of a unit, with these parts.
     pub fn of(self, parameters: UnitParameters) -> UnitParameters {
-        let features = UnitFeatures { barycentrics: self != Self::Plain, instances: self == Self::Instances };
+        let features = UnitFeatures {
+            barycentrics: self != Self::Plain,
+            instances: self == Self::Instances,
+            queries: Queries::None,
+        };
         let node = if self == Self::Quantised { NodeKind::Quantised } else { NodeKind::Wide4 };
         UnitParameters { step: StepParameters { node, features, ..parameters.step }, ..parameters }
     }

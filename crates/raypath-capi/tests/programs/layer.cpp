@@ -103,16 +103,34 @@ static void traversal() {
   std::array<raypath::UnitRay, 1> again = rays;
   again[0].root = built->root();
   std::array<raypath::UnitHit, 1> found{};
-  CHECK(unit.trace(built->bytes(), again, found) && found[0].triangle == 0 && found[0].t == 1.5f);
+  CHECK(unit.trace(built->bytes(), again, found) && found[0].primitive == 0 && found[0].t == 1.5f);
   const std::uint32_t wrong[][3] = {{0, 1, 3}};
   CHECK(raypath::Scene::build(unit, vertices, wrong).error().message.find("names vertex 3") != std::string::npos);
-  const double place[][3][4] = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 5}}};
+  raypath::Scene::Instance place[1] = {{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 5}}, 0, 255, 0, 0}};
   CHECK(raypath::Scene::build(unit, vertices, triangles, place).error().status == RAYPATH_ERROR_ARGUMENT);
   const auto two_levels = raypath::Unit::open("instances = true");
   const auto placed = raypath::Scene::build(*two_levels, vertices, triangles, place, 100.0f);
   CHECK(placed && placed->reach() == 100.0f);
   again[0].root = placed->root();
   CHECK(two_levels->trace(placed->bytes(), again, found) && found[0].t == 4.0f && found[0].instance == 0);
+
+  // With queries: masks, indices, and geometries that are opaque or not.
+  const raypath::Scene::Geometry geometries[] = {{1, 1}};
+  place[0].mask = 2, place[0].custom_index = 77, place[0].shader_offset = 5;
+  CHECK(raypath::Scene::build(*two_levels, vertices, triangles, place).error().message.find("queries none") !=
+        std::string::npos);
+  const auto queries = raypath::Unit::open("instances = true\nqueries = \"flags\"");
+  const auto masked = raypath::Scene::build(*queries, vertices, triangles, place, 100.0f, geometries);
+  again[0].root = masked->root(), again[0].cull_mask = 1;
+  CHECK(queries->trace(masked->bytes(), again, found) && found[0].status == RAYPATH_UNIT_MISS);
+  again[0].cull_mask = 3;
+  CHECK(queries->trace(masked->bytes(), again, found) && found[0].status == RAYPATH_UNIT_HIT);
+  CHECK(found[0].custom_index == 77 && found[0].shader_offset == 5 && found[0].geometry == 0);
+  again[0].flags = RAYPATH_RAY_CULL_NO_OPAQUE;
+  CHECK(queries->trace(masked->bytes(), again, found) && found[0].status == RAYPATH_UNIT_MISS);
+  again[0].flags = RAYPATH_RAY_OPAQUE | RAYPATH_RAY_NO_OPAQUE;
+  CHECK(queries->trace(masked->bytes(), again, found) && found[0].status == RAYPATH_UNIT_REFUSED);
+  again[0].flags = 0;
 
   auto model = raypath::UnitModel::create(unit);
   CHECK(model && model->outputs().ray_ready == 1);

@@ -34,6 +34,9 @@ static void extend(float bounds[6], const float by[6]) {
   }
 }
 
+enum { BACK = RAYPATH_RAY_CULL_BACK_FACING_TRIANGLES, FRONT = RAYPATH_RAY_CULL_FRONT_FACING_TRIANGLES };
+static const uint32_t culls[3] = {0, BACK, FRONT};
+
 /* A multiple of 2^-10, so that the transforms of instances are exact. */
 static float on_grid(float x) { return roundf(1024.0f * x) / 1024.0f; }
 
@@ -98,9 +101,9 @@ static double distance(const raypath_unit_ray *ray, uint32_t triangle, int *is_b
   const double inside = fmin(fmin(u, v), 1.0 - u - v);
   *doubt = fmin(fabs(inside), fmin(fabs(t - ray->t_min), fabs(t - ray->t_max)));
   *is_back = determinant < 0.0;
-  const uint32_t culled = *is_back ? RAYPATH_CULL_BACK : RAYPATH_CULL_FRONT;
+  const uint32_t culled = *is_back ? BACK : FRONT;
   if (fabs(determinant) < 1e-3) *doubt = 0.0;
-  return inside < 0.0 || t < ray->t_min || t > ray->t_max || (ray->cull & culled) != 0 ? INFINITY : t;
+  return inside < 0.0 || t <= ray->t_min || t >= ray->t_max || (ray->flags & culled) != 0 ? INFINITY : t;
 }
 
 /* Rays towards the triangles; each tenth points away from one. */
@@ -115,8 +118,7 @@ static void make_rays(void) {
     }
     ray->t_min = i % 5 == 0 ? 0.9f : 0.0f;
     ray->t_max = i % 7 == 0 ? 1.0f : INFINITY;
-    ray->any_hit = i % 4 == 3;
-    ray->cull = i / 4 % 4;
+    ray->flags = (i % 4 == 3 ? RAYPATH_RAY_TERMINATE_ON_FIRST_HIT : 0) | culls[i / 4 % 3];
     ray->root = 32; /* the node at address 0 */
   }
 }
@@ -143,24 +145,24 @@ static void functional_model(const raypath_unit *unit) {
     CHECK(hit->status == (nearest < INFINITY ? RAYPATH_UNIT_HIT : RAYPATH_UNIT_MISS));
     found[hit->status]++;
     if (hit->status == RAYPATH_UNIT_MISS) {
-      CHECK(hit->triangle == 0 && hit->t == 0.0f && hit->t_denom == 0.0f);
+      CHECK(hit->primitive == 0 && hit->t == 0.0f && hit->t_denom == 0.0f);
       continue;
     }
     CHECK(hit->t == hit->t_num / hit->t_denom);
-    if (rays[i].any_hit) {
+    if (rays[i].flags & RAYPATH_RAY_TERMINATE_ON_FIRST_HIT) {
       int back;
       double doubt;
-      index = hit->triangle;
+      index = hit->primitive;
       CHECK(index < TRIANGLES && hit->t > nearest - 1e-3);
       nearest = distance(&rays[i], index, &back, &doubt);
       is_back = back;
     }
-    CHECK(hit->triangle == index && fabs(hit->t - nearest) < 1e-3 * nearest);
+    CHECK(hit->primitive == index && fabs(hit->t - nearest) < 1e-3 * nearest);
     CHECK(hit->back_face == (uint32_t)is_back);
     for (int axis = 0; axis < 3; axis++) { /* the weights of the vertices give the point of the hit */
       const double a = triangles[index][0][axis], b = triangles[index][1][axis], c = triangles[index][2][axis];
       const double point = rays[i].origin[axis] + nearest * rays[i].direction[axis];
-      CHECK(fabs(hit->u * a + hit->v * b + (1.0 - hit->u - hit->v) * c - point) < 1e-3);
+      CHECK(fabs(hit->u * b + hit->v * c + (1.0 - hit->u - hit->v) * a - point) < 1e-3);
     }
   }
   CHECK(found[0] > 100 && found[1] > 100);
@@ -264,7 +266,7 @@ static void cycle_exact_model(const raypath_unit *unit) {
   run(model, 1, 3 * BLOCK, true, found, left);
   CHECK(raypath_unit_trace(unit, scene, 3 * BLOCK, rays, RAYS, other) == RAYPATH_OK);
   int errors = 0;
-  for (int i = 0; i < RAYS; i++) errors += other[i].status == RAYPATH_UNIT_ERROR;
+  for (int i = 0; i < RAYS; i++) errors += other[i].status == RAYPATH_UNIT_MEMORY;
   CHECK(memcmp(found, other, sizeof found) == 0 && errors > 100 && errors < RAYS);
   raypath_unit_model_free(model);
 }
@@ -277,14 +279,14 @@ static void wrong_rays(const raypath_unit *unit) {
   CHECK(raypath_unit_trace(unit, scene, sizeof scene, &ray, 1, &hit) == RAYPATH_OK);
   CHECK(hit.status == RAYPATH_UNIT_REFUSED && hit.nodes == 0);
   ray = rays[0];
-  CHECK(raypath_unit_trace(unit, NULL, 0, &ray, 1, &hit) == RAYPATH_OK && hit.status == RAYPATH_UNIT_ERROR);
+  CHECK(raypath_unit_trace(unit, NULL, 0, &ray, 1, &hit) == RAYPATH_OK && hit.status == RAYPATH_UNIT_MEMORY);
   CHECK(raypath_unit_trace(unit, NULL, 0, NULL, 0, NULL) == RAYPATH_OK);
   raypath_unit_ray two[2] = {rays[0], rays[0]};
   raypath_unit_hit results[2];
   memset(results, 0x5a, sizeof results);
-  two[1].cull = 4;
+  two[1].flags = 1024;
   CHECK_FAILS(raypath_unit_trace(unit, scene, sizeof scene, two, 2, results), RAYPATH_ERROR_ARGUMENT,
-              "ray 1: cull is 4, expected 0 to 3");
+              "ray 1: flags is 1024, expected 0 to 1023");
   CHECK(results[0].status == 0x5a5a5a5au);
   CHECK_FAILS(raypath_unit_trace(NULL, scene, sizeof scene, two, 1, results), RAYPATH_ERROR_NULL, "unit is NULL");
   CHECK_FAILS(raypath_unit_trace(unit, NULL, 128, two, 1, results), RAYPATH_ERROR_NULL, "scene is NULL");
@@ -315,9 +317,9 @@ static void wrong_inputs(const raypath_unit *unit) {
   CHECK(raypath_unit_model_skip(NULL, 5) == 0);
   inputs.ray = rays[0], inputs.ray_valid = 1, inputs.ray_id = 1024;
   CHECK_FAILS(raypath_unit_model_step(model, &inputs), RAYPATH_ERROR_ARGUMENT, "id 1024, expected at most 10 bits");
-  inputs.ray_id = 1023, inputs.ray.cull = 7;
-  CHECK_FAILS(raypath_unit_model_step(model, &inputs), RAYPATH_ERROR_ARGUMENT, "cull is 7");
-  inputs.ray.cull = 0, inputs.mem_rsp_valid = 1;
+  inputs.ray_id = 1023, inputs.ray.cull_mask = 256;
+  CHECK_FAILS(raypath_unit_model_step(model, &inputs), RAYPATH_ERROR_ARGUMENT, "cull_mask is 256");
+  inputs.ray.cull_mask = 0, inputs.mem_rsp_valid = 1;
   CHECK_FAILS(raypath_unit_model_step(model, &inputs), RAYPATH_ERROR_NULL, "mem_rsp_data is NULL");
   inputs.mem_rsp_data = scene;
   CHECK_FAILS(raypath_unit_model_step(model, &inputs), RAYPATH_ERROR_ARGUMENT, "a beat with the tag 0");
@@ -480,7 +482,7 @@ static void instances(void) {
       sent[i].direction[axis] = target[axis] + on_grid(0.4f * next_random(&random)) - sent[i].origin[axis];
     }
     sent[i].t_max = INFINITY;
-    sent[i].cull = i / 4 % 3;
+    sent[i].flags = culls[i / 4 % 3];
     sent[i].root = root;
   }
   CHECK(raypath_unit_trace(unit, two_levels, sizeof two_levels, sent, RAYS, found) == RAYPATH_OK);
@@ -495,7 +497,7 @@ static void instances(void) {
       continue;
     }
     CHECK(found[i].instance < PLACES && expected[i].instance == RAYPATH_UNIT_NO_INSTANCE);
-    CHECK(found[i].instance * TRIANGLES + found[i].triangle == expected[i].triangle);
+    CHECK(found[i].instance * TRIANGLES + found[i].primitive == expected[i].primitive);
     CHECK(memcmp(&found[i].t, &expected[i].t, 6 * sizeof(float)) == 0); /* t to back_face */
     in_place[found[i].instance]++;
   }

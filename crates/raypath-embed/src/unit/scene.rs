@@ -2,7 +2,9 @@
 
 use super::Unit;
 use crate::Error;
-use raypath_scene::{Bounds, Mesh, Placement, Scene, SceneError};
+use raypath_scene::{Bounds, Mesh, Placement, Scene, SceneError, TrianglePlace};
+use raypath_traversal::{Instance, Queries, instance_flags};
+use std::collections::HashSet;
 
 /// A scene in memory, as a unit reads it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,34 +24,129 @@ pub struct UnitScene {
 pub struct SceneInput {
     /// The vertices.
     pub vertices: Vec<[f32; 3]>,
-    /// The vertices of each triangle, counter-clockwise as seen from its front.
+    /// The vertices of each triangle. With queries, one with a vertex whose x is NaN is inactive: it is not hit, and
+    /// counts in indices.
     pub triangles: Vec<[u32; 3]>,
-    /// The places of the triangles in a scene of two levels, as affine matrices from the triangles to the scene, whose
-    /// last column is the translation; `None` for a scene of one level.
-    pub instances: Option<Vec<[[f64; 4]; 3]>>,
+    /// The geometries, to which the triangles belong in order; none for one opaque geometry.
+    pub geometries: Vec<SceneGeometry>,
+    /// The places of the triangles in a scene of two levels; `None` for a scene of one level.
+    pub instances: Option<Vec<SceneInstance>>,
     /// The reach; 16 times the longest side of the scene by default.
     pub reach: Option<f32>,
+}
+
+/// Triangles of a scene that are opaque or not.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SceneGeometry {
+    /// The number of its triangles.
+    pub triangles: u32,
+    /// 0 if they are opaque, 1 if not.
+    pub non_opaque: u32,
+}
+
+/// A place of the triangles in a scene, 112 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SceneInstance {
+    /// The affine matrix from the triangles to the scene, row by row; the last number of each row is the translation.
+    pub matrix: [[f64; 4]; 3],
+    /// The custom index, below 2²⁴.
+    pub custom_index: u32,
+    /// Rays count it whose mask has a bit of this one, 0 to 255.
+    pub mask: u32,
+    /// The offset into the shader table, below 2²⁴.
+    pub shader_offset: u32,
+    /// The bits `RAYPATH_INSTANCE_…` that are set.
+    pub flags: u32,
+}
+
+impl SceneInstance {
+    /// An instance with this matrix, for all rays.
+    pub fn of(matrix: [[f64; 4]; 3]) -> Self {
+        Self { matrix, mask: u8::MAX.into(), ..Self::default() }
+    }
+
+    /// The place, as a user wrote it.
+    fn placed(&self) -> Result<Placement, String> {
+        let Self { matrix, custom_index, mask, shader_offset, flags } = *self;
+        let (low, high) = ((1 << 24) - 1, u8::MAX.into());
+        let words = [("custom_index", custom_index, low), ("mask", mask, high), ("shader_offset", shader_offset, low)];
+        for (name, value, most) in words.into_iter().chain([("flags", flags, instance_flags::ALL)]) {
+            if value > most {
+                return Err(format!("{name} is {value}, expected 0 to {most}"));
+            }
+        }
+        if flags & FORCES == FORCES {
+            return Err(format!("flags are {flags}, expected at most one of 4 and 8"));
+        }
+        let placement = Placement::checked(matrix).map_err(|problem| problem.to_string())?;
+        let (mask, flags) = (mask as u8, flags as u8);
+        Ok(placement.with_words_of(Instance { custom_index, mask, shader_offset, flags, ..Instance::default() }))
+    }
+}
+
+const FORCES: u32 = instance_flags::FORCE_OPAQUE | instance_flags::FORCE_NO_OPAQUE;
+
+impl SceneInput {
+    /// The mesh, without its inactive triangles, which scenes of a unit with queries may have.
+    fn mesh(
+        vertices: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        geometries: &[SceneGeometry],
+        queries: Queries,
+    ) -> Result<Mesh, String> {
+        let is_active = |corners: &[u32; 3]| {
+            let x = |vertex: &u32| vertices.get(*vertex as usize).map_or(0.0, |[x, ..]| *x);
+            queries == Queries::None || !corners.iter().any(|vertex| x(vertex).is_nan())
+        };
+        let all_active = triangles.iter().all(is_active);
+        if geometries.is_empty() && all_active {
+            return Mesh::new(vertices, triangles).map_err(|problem| problem.to_string());
+        }
+        let whole = [SceneGeometry { triangles: triangles.len() as u32, non_opaque: 0 }];
+        let geometries = if geometries.is_empty() { &whole } else { geometries };
+        let expected: u64 = geometries.iter().map(|geometry| u64::from(geometry.triangles)).sum();
+        if expected != triangles.len() as u64 {
+            return Err(format!("the geometries have {expected} triangles, expected {}", triangles.len()));
+        }
+        let counted = (0..).zip(geometries);
+        let places = counted.flat_map(|(geometry, SceneGeometry { triangles, .. })| {
+            (0..*triangles).map(move |primitive| TrianglePlace { geometry, primitive })
+        });
+        let active = triangles.iter().zip(places).filter(|(corners, _)| is_active(corners));
+        let (faces, places): (Vec<_>, Vec<_>) = active.map(|(corners, place)| (*corners, place)).unzip();
+        // Vertices of inactive triangles may be NaN.
+        let used: HashSet<u32> = faces.iter().flatten().copied().collect();
+        let unused = |(number, vertex): (u32, &[f32; 3])| if used.contains(&number) { *vertex } else { [0.0; 3] };
+        let vertices = (0..).zip(&vertices).map(unused).collect();
+        let opaque = geometries.iter().map(|geometry| geometry.non_opaque == 0).collect();
+        let mesh = Mesh::new(vertices, faces).and_then(|mesh| mesh.with_geometries(opaque, places));
+        mesh.map_err(|problem| problem.to_string())
+    }
 }
 
 impl Unit {
     /// Builds a scene in the layout that this unit reads.
     ///
     /// # Errors
-    /// A vertex that does not exist; a coordinate, a matrix or a reach out of range; no triangle, or too many; no
-    /// instance, one that is too far away, or a unit without instances.
+    /// A vertex that does not exist; a coordinate, a matrix, a word of an instance or a reach out of range; no active
+    /// triangle, or too many; no instance, one that is too far away, or a unit without instances or queries that the
+    /// scene needs.
     pub fn scene(&self, input: SceneInput) -> Result<UnitScene, Error> {
-        let SceneInput { vertices, triangles, instances, reach } = input;
+        let SceneInput { vertices, triangles, geometries, instances, reach } = input;
         let parameters = self.parameters().step;
         let error = |problem: &dyn ToString| Error::Argument(problem.to_string());
         Scene::check_reach(reach).map_err(|problem| error(&problem))?;
         if instances.is_some() && !parameters.features.instances {
             return Err(error(&"instances: the unit has none, expected a unit with instances"));
         }
-        let placed = |(index, matrix): (usize, &[[f64; 4]; 3])| {
-            Placement::checked(*matrix).map_err(|problem| error(&format!("instances: instance {index}: {problem}")))
+        let placed = |(index, instance): (usize, &SceneInstance)| {
+            instance.placed().map_err(|problem| error(&format!("instances: instance {index}: {problem}")))
         };
-        let places = instances.map(|matrices| matrices.iter().enumerate().map(placed).collect::<Result<Vec<_>, _>>());
-        let mesh = Mesh::new(vertices, triangles).map_err(|problem| error(&problem))?;
+        let places = instances.map(|all| all.iter().enumerate().map(placed).collect::<Result<Vec<_>, _>>());
+        let mesh = SceneInput::mesh(vertices, triangles, &geometries, parameters.features.queries)
+            .map_err(|problem| error(&problem))?;
         let places = places.transpose()?;
         let build = || -> Result<Scene, SceneError> {
             let scene = match (places, reach) {
@@ -61,6 +158,12 @@ impl Unit {
             Ok(scene.through_unit_of(parameters.node)?)
         };
         let scene = build().map_err(|problem| error(&problem))?;
+        let needs = scene.blocks().map_or(Queries::None, |blocks| blocks.features().queries);
+        if needs != Queries::None && parameters.features.queries == Queries::None {
+            let problem = "geometries that are several or not opaque, or instances with a mask, flags or further \
+                           indices: the unit has queries none, expected flags";
+            return Err(error(&problem));
+        }
         let (bytes, root) = scene.blocks().map_or((&[][..], 0), |blocks| (blocks.bytes(), blocks.root()));
         let Bounds { min, max } = scene.bounds();
         Ok(UnitScene { bytes: bytes.into(), root, bounds: [min, max], reach: scene.reach() })

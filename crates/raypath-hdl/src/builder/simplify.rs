@@ -49,6 +49,11 @@ impl Builder {
             {
                 self.simplify_mux(width, select, if_true, if_false)
             }
+            Driver::Equal(a, b) if self.width_of(a) == 1 && self.width_of(b) == 1 => match self.constant_of(b) {
+                Some(0) => self.simplify(1, Driver::Not(a)),
+                Some(_) => Signal(a),
+                None => kept(Driver::Equal(a, b)),
+            },
             Driver::Slice { source, low } => match self.driver_of(source) {
                 Driver::Constant(value) => kept(Driver::Constant(value >> low & ones)),
                 _ => kept(Driver::Slice { source, low }),
@@ -65,12 +70,16 @@ impl Builder {
             None if if_true == if_false => return Signal(if_true),
             None => {}
         }
+        let (of_true, of_false) = (self.constant_of(if_true), self.constant_of(if_false));
+        if of_true.is_some() && of_true == of_false {
+            return Signal(if_true);
+        }
         let unchanged = Simplified::Driver(Driver::Mux { select, if_true, if_false });
         if width != 1 {
             return unchanged;
         }
         let not = |id| self.push(1, Driver::Not(id)).id;
-        match (self.constant_of(if_true), self.constant_of(if_false)) {
+        match (of_true, of_false) {
             (Some(1), Some(_)) => Signal(select),
             (Some(_), Some(_)) => self.simplify(1, Driver::Not(select)),
             (Some(1), None) => Simplified::Driver(Driver::Or(select, if_false)),

@@ -14,6 +14,7 @@ Example:
     array([[4., 4., 4., 4.]], dtype=float32)
 """
 
+from raypath._queries import Geometry, Instance, InstanceFlags, RayFlags, UnitStatus
 from raypath._raypath import (
     RAY,
     UNIT_RAY,
@@ -48,10 +49,14 @@ __all__ = [
     "RAY",
     "UNIT_RAY",
     "Datapath",
+    "Geometry",
+    "Instance",
+    "InstanceFlags",
     "Job",
     "Outcome",
     "Pipeline",
     "QuadboxHits",
+    "RayFlags",
     "Rendering",
     "Scene",
     "Search",
@@ -62,6 +67,7 @@ __all__ = [
     "UnitModel",
     "UnitOutputs",
     "UnitScene",
+    "UnitStatus",
     "__version__",
     "operations",
     "parameters",

@@ -5,6 +5,8 @@ from typing import Any, Literal, TypedDict, final, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from raypath._queries import Geometry, Instance
+
 _Float32 = NDArray[np.float32]
 # Arrays of any type whose values float32 has, or float64 or uint32 where the docstring says so.
 _Numbers = NDArray[np.number[Any]]
@@ -85,6 +87,8 @@ class _UnitParameters(TypedDict):
     divider_latency: int
     node: Literal["wide4", "quantised"]
     instances: bool
+    queries: Literal["none", "flags"]
+    front: Literal["counter-clockwise", "clockwise"]
 
 class _Simulation(TypedDict):
     cycles: int
@@ -101,7 +105,7 @@ class _Simulation(TypedDict):
 
 class _Hit(TypedDict):
     status: int
-    triangle: int
+    primitive: int
     instance: int
     t: float
     t_num: float
@@ -111,6 +115,9 @@ class _Hit(TypedDict):
     back_face: bool
     nodes: int
     triangles: int
+    geometry: int
+    custom_index: int
+    shader_offset: int
 
 class _Run(TypedDict):
     accepted: int
@@ -687,37 +694,38 @@ class UnitScene:
         *,
         t_min: float = 0.0,
         t_max: float = ...,
-        any_hit: bool = False,
-        cull: Literal["none", "back", "front", "both"] = "none",
+        flags: int = 0,
+        cull_mask: int = 255,
     ) -> _Rays:
         """Rays as the unit takes them, for this scene.
 
         Directions of any length are allowed, and distances are in units of it. The unit refuses a ray with a direction
-        that cannot be inverted, a value that is not finite, or a negative ``t_min``: its hit has the status 2.
+        that cannot be inverted, a value that is not finite, or a negative ``t_min``: its hit has the status 3, as has
+        that of a ray whose flags have no meaning together.
 
         Args:
             origins: float32 array of shape (n, 3).
             directions: float32 array of shape (n, 3).
-            t_min: the least distance of a hit.
-            t_max: the greatest distance of a hit; infinity reaches everything.
-            any_hit: whether a ray ends at the first block of triangles with a hit.
-            cull: the faces that are not hit: "none", "back", "front" or "both".
+            t_min: hits count beyond this distance.
+            t_max: hits count below this distance; infinity reaches everything.
+            flags: ``raypath.RayFlags``.
+            cull_mask: 8 bits; with ``instances`` and ``queries``, instances count whose mask has one of them.
 
         Returns:
             A structured array of shape (n,) with the fields of the C structure ``raypath_unit_ray``: ``origin``,
-            ``direction``, ``t_min``, ``t_max``, ``any_hit``, ``cull`` (1 back, 2 front, 3 both) and ``root``. A field
-            can be changed for each ray.
+            ``direction``, ``t_min``, ``t_max``, ``flags``, ``cull_mask`` and ``root``. A field can be changed for each
+            ray.
 
         Raises:
-            ValueError: another type or shape; another ``cull``."""
+            ValueError: another type or shape."""
     def __len__(self) -> int: ...
 
 @final
 class UnitHits:
     """The hits of n rays of a ``Unit``.
 
-    A ray without a hit has ``triangle`` -1, ``instance`` -1 and ``t`` infinity; its other values are 0, except for
-    ``status``, ``nodes`` and ``triangles``.
+    A ray without a hit has ``primitive``, ``geometry`` and ``instance`` -1 and ``t`` infinity; its other values are 0,
+    except for ``status``, ``nodes`` and ``triangles``.
 
     They have a length, iterate, and index: by a field's name, by a number for one, by a slice or an array for
     several. ``pandas.DataFrame(hits.array)`` has a column for each field of one number."""
@@ -727,10 +735,11 @@ class UnitHits:
         """The structured array of shape (n,), of which the other attributes are views."""
     @property
     def status(self) -> NDArray[np.uint32]:
-        """uint32 array of shape (n,): 0 miss, 1 hit, 2 ray refused, 3 error of the memory or of the scene."""
+        """uint32 array of shape (n,): a ``UnitStatus``: 0 miss, 1 hit, 3 ray refused, 4 error of the memory, 5 error of
+        the scene, 6 limit of work."""
     @property
-    def triangle(self) -> NDArray[np.int32]:
-        """int32 array of shape (n,): the index of the triangle that is hit; -1 for a miss."""
+    def primitive(self) -> NDArray[np.int32]:
+        """int32 array of shape (n,): the index, in its geometry, of the triangle that is hit; -1 for a miss."""
     @property
     def instance(self) -> NDArray[np.int32]:
         """int32 array of shape (n,): with ``instances``, the index of the triangle's instance; -1 for a triangle in no
@@ -743,14 +752,15 @@ class UnitHits:
         """float32 array of shape (n,): the numerator of the distance."""
     @property
     def t_denom(self) -> _Float32:
-        """float32 array of shape (n,): the denominator of the distance; negative for a back face."""
+        """float32 array of shape (n,): the denominator of the distance; negative if the vertices run clockwise as the
+        ray's origin sees them."""
     @property
     def u(self) -> _Float32:
-        """float32 array of shape (n,): with ``barycentrics``, the weight of the triangle's first vertex at the hit; 0
-        otherwise. The weights of the three vertices add up to 1."""
+        """float32 array of shape (n,): with ``barycentrics``, the weight of the triangle's second vertex at the hit;
+        0 otherwise. The weights of the three vertices add up to 1."""
     @property
     def v(self) -> _Float32:
-        """float32 array of shape (n,): with ``barycentrics``, the weight of the second vertex."""
+        """float32 array of shape (n,): with ``barycentrics``, the weight of the third vertex."""
     @property
     def back_face(self) -> NDArray[np.bool_]:
         """bool array of shape (n,): whether the ray hits the triangle from behind."""
@@ -760,6 +770,16 @@ class UnitHits:
     @property
     def triangles(self) -> NDArray[np.uint32]:
         """uint32 array of shape (n,): the triangles that the ray has read."""
+    @property
+    def geometry(self) -> NDArray[np.int32]:
+        """int32 array of shape (n,): the index of the triangle's geometry; -1 for a miss."""
+    @property
+    def custom_index(self) -> NDArray[np.uint32]:
+        """uint32 array of shape (n,): with ``instances`` and ``queries``, the custom index of the instance; 0 otherwise."""
+    @property
+    def shader_offset(self) -> NDArray[np.uint32]:
+        """uint32 array of shape (n,): with ``instances`` and ``queries``, the offset of the instance into the shader table;
+        0 otherwise."""
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[np.void]: ...
     @overload
@@ -779,8 +799,9 @@ class Unit:
         preset: the name of a configuration of the datapath, as for ``Datapath``. Distance operations are left out.
         config: in place of a preset, the path of a TOML file, or its text, which contains "=".
         flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
-            ``node``, ``memory_width``, ``id_width``, ``divider_latency``, and those of the datapath. ``instances=True``
-            for scenes of two levels.
+            ``node``, ``memory_width``, ``id_width``, ``divider_latency``, ``front``, and those of the datapath.
+            ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
+            masks and flags of instances.
 
     Raises:
         ValueError: a value that a flag does not have; a datapath that the unit does not have.
@@ -806,6 +827,8 @@ class Unit:
         divider_latency: int = ...,
         node: Literal["wide4", "quantised"] = ...,
         instances: bool = ...,
+        queries: Literal["none", "flags"] = ...,
+        front: Literal["counter-clockwise", "clockwise"] = ...,
         registers: Literal["ieee", "recoded"] = ...,
         control: Literal["skid", "credit"] = ...,
         sharing: Literal["union", "segregated"] = ...,
@@ -824,25 +847,27 @@ class Unit:
     def _repr_svg_(self) -> str: ...
     def scene(
         self,
-        triangles: _Numbers,
+        triangles: _Numbers | list[Geometry],
         *,
         reach: float | None = None,
-        instances: _Numbers | None = None,
+        instances: _Numbers | list[Instance] | None = None,
     ) -> UnitScene:
         """A scene of triangles in the layout that this unit reads, with its nodes, as ``raypath scene`` writes it.
 
         Args:
             triangles: float32 array of shape (n, 3, 3): three vertices for each triangle, counter-clockwise as seen
-                from its front, with finite coordinates of magnitude at most 2**40.
+                from its front, with finite coordinates of magnitude at most 2**40. Or a list of ``raypath.Geometry``,
+                for a unit with ``queries``.
             reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further
                 away may lose hits at the edges of boxes. 16 times the longest side of the scene by default.
             instances: the places of the triangles in the scene, for a unit with ``instances``: a float64 array of shape
                 (m, 3, 4), an affine matrix from the triangles to the scene for each place. The last number of each row
-                is the translation, and numbers have a magnitude of at most 2**40.
+                is the translation, and numbers have a magnitude of at most 2**40. Or a list of ``raypath.Instance``.
 
         Raises:
             ValueError: another type or shape; a coordinate out of range; no triangle, or too many; no instance, one
-                that is too far away, a matrix without an inverse, or a unit without ``instances``."""
+                that is too far away, a matrix without an inverse, or a unit without ``instances`` or ``queries`` that
+                the scene needs."""
     def trace(self, scene: UnitScene, rays: _Rays) -> UnitHits:
         """Traces rays by the functional model, without time.
 
@@ -851,11 +876,11 @@ class Unit:
             rays: rays of ``scene.rays``.
 
         Returns:
-            n hits with the attributes ``status``, ``triangle``, ``t`` and others, each of shape (n,). They have the
+            n hits with the attributes ``status``, ``primitive``, ``t`` and others, each of shape (n,). They have the
             bits of the hardware, for any memory and any number of contexts. All cores work on them.
 
         Raises:
-            ValueError: another type or shape; a ray with a ``cull`` above 3.
+            ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
             KeyboardInterrupt: after Ctrl-C.
 
         Warns:

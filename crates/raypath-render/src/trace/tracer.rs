@@ -130,8 +130,9 @@ impl<'s> Tracer<'s> {
 impl From<raypath_traversal::Hit> for Hit {
     /// The numerator and the denominator of a back face are negative in the unit, which tests both faces in one job.
     fn from(hit: raypath_traversal::Hit) -> Self {
-        let raypath_traversal::Hit { triangle, t, t_num, t_denom, back_face, instance, .. } = hit;
+        let raypath_traversal::Hit { primitive, t, t_num, t_denom, back_face, instance, .. } = hit;
         let (t_num, t_denom) = if back_face { (-t_num, -t_denom) } else { (t_num, t_denom) };
-        Self { triangle, from_behind: back_face, t_num, t_denom, t, instance }
+        let instance = instance.map(|instance| instance.index);
+        Self { triangle: primitive, from_behind: back_face, t_num, t_denom, t, instance }
     }
 }

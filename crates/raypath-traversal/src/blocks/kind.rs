@@ -62,6 +62,14 @@ impl NodeKind {
         }
     }
 
+    /// The word of a leaf's block with the index of its geometry.
+    pub const fn geometry_word(self) -> usize {
+        match self {
+            Self::Wide4 => 27,
+            Self::Quantised => 10,
+        }
+    }
+
     /// The word of a leaf's block with the index of its first triangle.
     pub const fn index_word(self) -> usize {
         match self {

@@ -61,7 +61,7 @@ impl<M: Memory + ?Sized> Contexts for AheadContexts<'_, M> {
     fn enter(&mut self, context: u8, id: u64, ray: &RayRequest) {
         let (number, walk) = &mut self.walks[usize::from(context)];
         *number = id;
-        walk.begin(&self.answers, ray);
+        walk.begin(&self.answers, self.parameters, ray);
         self.compute(context);
     }
 

@@ -107,7 +107,7 @@ impl Contexts for PortContexts {
         let context = &mut self.contexts[usize::from(context)];
         // As wide as the port.
         context.id = id & u64::MAX >> (64 - self.parameters.id_width);
-        context.walk.begin(&self.answers, ray);
+        context.walk.begin(&self.answers, self.parameters.step, ray);
     }
 
     fn step(&mut self, context: u8, steps: bool) -> Asked {

@@ -1,5 +1,6 @@
 //! The blocks that the memory returns.
 
+use super::parameters::UnitParameters;
 use super::queue::bits;
 use crate::blocks::{NodeKind, VERTEX_WORDS, quantised};
 use crate::netlist::{Netlist, Value};
@@ -23,7 +24,9 @@ pub const fn job_words(nodes: NodeKind) -> usize {
 /// `<reader>_read_i` and `<reader>_context_i`; the words are there in the next cycle and stay until the next read. The
 /// readers are `job` (`word_…_o`, and with quantised nodes `exists_…_o`, which children exist), `child` (`child_…_o`)
 /// and `index` (`index_…_o`).
-pub fn blocks(contexts: u32, memory_width: u32, nodes: NodeKind) -> Result<Arc<Module>, Error> {
+pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
+    let UnitParameters { contexts, memory_width, step, .. } = parameters;
+    let nodes = step.node;
     let builder = Builder::new("raypath_unit_blocks");
     let m = &builder;
     let beats = nodes.block_bytes() * 8 / memory_width;
@@ -85,6 +88,11 @@ pub fn blocks(contexts: u32, memory_width: u32, nodes: NodeKind) -> Result<Arc<M
     };
     let children = store("children", whole(child_word, 4), child);
     let indices = store("indices", whole(index_word, nodes.triangles_per_block() as usize), index);
+    if step.features.has("geometry") {
+        let word = nodes.geometry_word();
+        let geometry = store("geometry", whole(word, 1), index);
+        geometry.into_iter().for_each(|wire| m.output("geometry_o", wire));
+    }
     if beats == 1 {
         let last = (child_word + 4).max(index_word + nodes.triangles_per_block() as usize);
         m.unused("unused_data", &words[last..]);

@@ -27,14 +27,15 @@ pub struct Ports<'m> {
 
 impl<'m> Ports<'m> {
     pub fn new(m: &'m Builder, parameters: UnitParameters) -> Self {
-        let UnitParameters { contexts, memory_width, id_width, .. } = parameters;
+        let UnitParameters { contexts, memory_width, id_width, step, .. } = parameters;
         let ray_valid = m.input("ray_valid_i", 1);
-        let ray = [("id", id_width), ("any_hit", 1), ("cull", 2), ("root", 32)];
-        let ray = ray.map(|(name, width)| named(name, m.input(&format!("ray_{name}_i"), width)));
+        let ray = [("id", id_width), ("flags", 10), ("cull_mask", 8), ("root", 32)].into_iter();
+        let ray = ray.filter(|(name, _)| step.features.has(name));
+        let ray = ray.map(|(name, width)| named(name, m.input(&format!("ray_{name}_i"), width))).collect();
         let port = |field: &str, width| m.input(&format!("{}_i", field.replace("ray_t_m", "ray_tm")), width);
         Self {
             ray_valid,
-            ray: ray.into(),
+            ray,
             entry: from_wires(m, "ray", port),
             hit_ready: m.input("hit_ready_i", 1),
             request_ready: m.input("mem_req_ready_i", 1),
@@ -62,6 +63,8 @@ pub struct Backwards<'m> {
     pub fetch: (Forward<'m>, Forward<'m>),
     pub fetch_count: Forward<'m>,
     pub fetch_extent: Forward<'m>,
+    /// With flags: the triangles of the block that are not hit, by name.
+    pub fetch_culls: Vec<(String, Forward<'m>)>,
     /// The datapath takes a job.
     pub job_ready: Forward<'m>,
     /// With quantised nodes: a block enters the decoder's last stage, with its context; the decoder takes a block.
@@ -99,6 +102,7 @@ impl<'m> Backwards<'m> {
             fetch: (fetches, fetch_context),
             fetch_count,
             fetch_extent,
+            fetch_culls: if features.has_flags() { all(&CULLS) } else { Vec::new() },
             job_ready,
             decoder,
             to_rays: of_instances(&[
@@ -120,3 +124,6 @@ impl<'m> Backwards<'m> {
         (read.wire(), context.wire())
     }
 }
+
+/// The names of the triangles that are not hit, in the limits of a ray.
+const CULLS: [(&str, u32); 2] = [("culls_clockwise", 1), ("culls_counter_clockwise", 1)];

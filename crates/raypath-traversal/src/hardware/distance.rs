@@ -37,6 +37,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let numbers: Named<'_> = numbers.map(|name| named(name, m.input(&format!("{name}_i"), 32))).collect();
     let limits: HitLimits<Netlist<'_>> = inputs(m, "limits");
     let indices: Vec<Wire<'_>> = (0..per_block).map(|k| m.input(&format!("index_{k}_i"), 32)).collect();
+    let geometry = features.has("geometry").then(|| m.input("geometry_i", 32));
     let taken = m.input("taken_i", 1);
 
     m.section("The operands, and their division");
@@ -67,8 +68,9 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let place = has_places.then(|| tag_q.bits(4, 3));
     let index =
         place.map_or(indices[0], |place| place.bit(1).mux(indices[2], place.bit(0).mux(indices[1], indices[0])));
-    let rest = [("is_hit", tag_q.bit(1)), ("t", t), ("back_face", tag_q.bit(0)), ("triangle", index)];
-    let known: Named<'_> = rest.into_iter().map(|(name, wire)| named(name, wire)).chain(fraction).collect();
+    let rest = [("is_hit", tag_q.bit(1)), ("t", t), ("is_clockwise", tag_q.bit(0)), ("primitive", index)];
+    let rest = rest.into_iter().chain(geometry.map(|geometry| ("geometry", geometry)));
+    let known: Named<'_> = rest.map(|(name, wire)| named(name, wire)).chain(fraction).collect();
     let found: TriangleHit<Netlist<'_>> = from_wires(m, "", |field, width| found_in(m, &known, field, width));
     let registers: Vec<_> = wires_with("closest", &found, features)
         .map(|(name, wire)| (m.register(&format!("{name}_q"), wire.width()), name))

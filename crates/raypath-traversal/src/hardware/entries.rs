@@ -29,6 +29,7 @@ pub fn entries(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error
     let width = bits(contexts);
     let valid = m.input("valid_i", 1);
     let entry: Entry<Netlist<'_>> = inputs(m, "entry");
+    let is_meaningless = m.input("is_meaningless_i", 1);
     let context = m.input("context_i", width);
     let free = m.input("free_i", 1);
     let [is_transformed, is_last] = ["valid", "is_last"].map(|name| m.input(&format!("transformed_{name}_i"), 1));
@@ -56,6 +57,7 @@ pub fn entries(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error
     let constants = Inputs::default()
         .port("valid", chosen | valid)
         .ports(next)
+        .port("is_meaningless", is_meaningless & !chosen)
         .port("context", m.concat(&[chosen, chosen.mux(transformed_context, context)]))
         .place(m, "u_set_up", &set_up(2 * contexts, divider_latency)?);
     ready.drive(constants.port("ready"));

@@ -10,15 +10,18 @@ use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
 /// The values of a hit, by the field of the ray's state, and whether each is 0 for rays without a hit.
-const VALUES: [(&str, &str, u32, bool); 8] = [
+const VALUES: [(&str, &str, u32, bool); 11] = [
     ("t", "extent", 32, true),
-    ("triangle", "triangle", 32, true),
+    ("primitive", "primitive", 32, true),
     ("t_num", "t_num", 32, true),
     ("t_denom", "t_denom", 32, true),
     ("back_face", "back_face", 1, true),
     ("nodes", "nodes", 32, false),
     ("triangles", "triangles", 32, false),
-    ("instance", "hit_instance", 32, true),
+    ("instance", "hit_instance_index", 32, true),
+    ("geometry", "geometry", 32, true),
+    ("custom_index", "hit_instance_custom_index", 24, true),
+    ("shader_offset", "hit_instance_shader_offset", 24, true),
 ];
 
 /// The numerators of barycentric coordinates, which are fields of the ray's state.
@@ -40,7 +43,7 @@ pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let width = bits(contexts);
     let ends = m.input("ends_i", 1);
     let context = m.input("context_i", width);
-    let status_word = m.input("status_i", 2);
+    let status_word = m.input("status_i", 3);
     let ready = m.input("ready_i", 1);
     let is_hit = status_word.is(status::HIT.into()).named("is_hit");
     let value = |(name, field, width, is_of_hit): (&str, &str, u32, bool)| {

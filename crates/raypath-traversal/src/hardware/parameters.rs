@@ -1,6 +1,7 @@
 //! The parameters of the unit's hardware.
 
 use crate::blocks::NodeKind;
+use crate::query::Front;
 use crate::step::StepParameters;
 use std::fmt;
 use thiserror::Error;
@@ -38,7 +39,11 @@ impl fmt::Display for UnitParameters {
         if step.node == NodeKind::Quantised {
             f.write_str(", quantised nodes")?;
         }
-        f.write_str(if step.features.instances { ", instances" } else { "" })
+        f.write_str(if step.features.instances { ", instances" } else { "" })?;
+        if step.features.has_flags() {
+            write!(f, ", queries {}", step.features.queries)?;
+        }
+        f.write_str(if step.front == Front::Clockwise { ", clockwise fronts" } else { "" })
     }
 }
 

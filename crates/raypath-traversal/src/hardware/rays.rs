@@ -7,16 +7,18 @@ use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::set_up::set_up;
 use crate::fold::HitLimits;
-use crate::netlist::{Netlist, Value, inputs, wires};
+use crate::netlist::{Netlist, Value, inputs, wires, wires_with};
+use crate::query::{RayFlags, ray_flags};
 use crate::set_up::Entry;
+use crate::state::RayWords;
 use crate::step::StepParameters;
 use raypath_hdl::{Builder, Error, Module};
-use raypath_ops::{Bit, Vec3};
+use raypath_ops::{Bit, Vec3, Word};
 use std::sync::Arc;
 
 /// The module `raypath_unit_rays`.
 ///
-/// A ray enters where `valid_i` and `ready_o` are 1: `entry_…_i`, `id_i`, `any_hit_i`, `cull_i`, `root_i`. When its
+/// A ray enters where `valid_i` and `ready_o` are 1: `entry_…_i`, `id_i`, `flags_i`, `cull_mask_i`, `root_i`. When its
 /// constants are known, `start_valid_o` is 1 with `start_context_o` and `start_is_refused_o`, until `start_taken_i` is
 /// 1. `release_i` frees the context `hit_context_i`, whose `id_o` is read at the same time.
 ///
@@ -27,8 +29,8 @@ use std::sync::Arc;
 /// `start_is_instance_o` says that a ray does not begin but enters an instance. `job_…_o` has the constants in its
 /// space if `job_inside_i` is 1; `job_dir_…_o` is the direction outside.
 pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts: count, id_width, divider_latency, step: StepParameters { features, .. }, .. } =
-        parameters;
+    let UnitParameters { contexts: count, id_width, divider_latency, step, .. } = parameters;
+    let StepParameters { features, front, .. } = step;
     let builder = Builder::new("raypath_unit_rays");
     let m = &builder;
     m.doc("The contexts of rays, the set-up of rays, and what is kept of them.");
@@ -36,8 +38,9 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let valid = m.input("valid_i", 1);
     let entry: Entry<Netlist<'_>> = inputs(m, "entry");
     let id = m.input("id_i", id_width);
-    let any_hit = m.input("any_hit_i", 1);
-    let cull = m.input("cull_i", 2);
+    let flags_word = m.input("flags_i", 10);
+    let has_mask = features.has("cull_mask");
+    let cull_mask = if has_mask { m.input("cull_mask_i", 8) } else { m.constant(8, 0) };
     let root = m.input("root_i", 32);
     let start_taken = m.input("start_taken_i", 1);
     let reader = |name: &str| {
@@ -49,6 +52,9 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let [job, limits_reader, step] = ["job", "limits", "step"].map(reader);
 
     m.section("A ray enters a free context");
+    let c = Netlist(m);
+    let flags = RayFlags::of(Word::new(c, Value(flags_word)));
+    m.unused("unused_flag", &[flags_word.bit(ray_flags::SKIP_CLOSEST_HIT_SHADER.trailing_zeros())]);
     let enters = m.forward("enters", 1);
     let free = Inputs::default()
         .port("take", enters.wire())
@@ -59,6 +65,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let entering = Inputs::default()
         .port("valid", valid & free.port("valid"))
         .ports(wires("entry", &entry))
+        .port("is_meaningless", flags.are_meaningless().value.0.named("is_meaningless"))
         .port("context", context);
     let constants = if features.instances {
         let [is_transformed, is_last] = ["valid", "is_last"].map(|name| m.input(&format!("transformed_{name}_i"), 1));
@@ -77,13 +84,22 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     enters.drive(valid & ready);
 
     m.section("What is kept of it, by reader");
-    let bit = |place: u32| Bit::new(Netlist(m), Value(cull.bit(place)));
-    let limits = HitLimits { t_min: entry.t_min, cull_back: bit(0), cull_front: bit(1) };
-    let begin = vec![named("root", root), named("t_max", entry.t_max.value.0), named("any_hit", any_hit)];
+    let limits = HitLimits { t_min: entry.t_min, culls: flags.culls_of_opaque(c, front) };
+    let words = RayWords {
+        root: Word::new(c, Value(root)),
+        t_max: entry.t_max,
+        any_hit: Bit::new(c, Value(flags_word.bit(ray_flags::TERMINATE_ON_FIRST_HIT.trailing_zeros()))),
+        flags,
+        cull_mask: Word::new(c, Value(cull_mask)),
+    };
+    let begin: Named<'_> = wires_with("", &words, features).collect();
+    // With flags, what is not hit depends on the instance and the leaf.
+    let limits = wires("limits", &limits).into_iter();
+    let limits = limits.filter(|(name, _)| !(features.has_flags() && name.contains("culls"))).collect();
     let at_entry = (enters.wire(), context);
     let id = keep("u_ids", count, at_entry, vec![named("id", id)], release);
     let origin = keep("u_origins", count, at_entry, wires("origin", &entry.origin), job);
-    let limits = keep("u_limits", count, at_entry, wires("limits", &limits), limits_reader);
+    let limits = keep("u_limits", count, at_entry, limits, limits_reader);
     let begin = keep("u_begins", count, at_entry, begin, step);
     let is_known = constants.port("valid");
     let known = constants.port("context");

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// The module `raypath_unit_set_up`, which takes a ray every five cycles.
 ///
-/// A ray, `entry_…_i` with `context_i`, enters in a cycle in which `valid_i` and `ready_o` are 1. Its constants,
+/// A ray, `entry_…_i` with `is_meaningless_i` of its flags and `context_i`, enters in a cycle in which `valid_i` and `ready_o` are 1. Its constants,
 /// `inv_…_o`, `shear_…_o`, `kx_o`, `ky_o` and `kz_o`, are there with `context_o` in the one cycle in which `valid_o` is
 /// 1; `is_refused_o` says that the ray is refused.
 pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error> {
@@ -21,6 +21,7 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let c = Netlist(m);
     let valid = m.input("valid_i", 1);
     let entry: Entry<Netlist<'_>> = inputs(m, "entry");
+    let is_meaningless = m.input("is_meaningless_i", 1);
     let context = m.input("context_i", bits(contexts));
 
     m.section("The ray whose operands enter the divider, and the number of the next quotient");
@@ -34,7 +35,7 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let components = wires("dir", &entry.dir);
     let held: Vec<_> = components.iter().map(|(name, wire)| hold(&format!("{name}_q"), enters, *wire)).collect();
     let dir: Vec3<Netlist<'_>> = from_list(m, &held);
-    let refused = hold("is_refused_q", enters, is_refused(c, &entry).value.0);
+    let refused = hold("is_refused_q", enters, is_meaningless | is_refused(c, &entry).value.0);
     let context = hold("context_q", enters, context);
 
     m.section("The axes, which the last two quotients need, in a register because they are slow");

@@ -2,7 +2,7 @@
 
 use crate::netlist::{Netlist, inputs, inputs_with, outputs_with};
 use crate::state::{Answer, Group, RayState};
-use crate::step::{HalfStep, StepParameters, UnitFeatures, finish, prepare};
+use crate::step::{HalfStep, StepParameters, finish, prepare};
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// A defect of the description.
-pub fn prepare_module(features: UnitFeatures) -> Result<Arc<Module>, Error> {
-    let m = Builder::new("raypath_unit_prepare");
+pub fn prepare_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
+    let (m, features) = (Builder::new("raypath_unit_prepare"), parameters.features);
     m.doc("What happens to a ray when an answer arrives, before its stack is read.");
     let state: RayState<Netlist<'_>> = inputs_with(&m, "state", features);
     let answer: Answer<Netlist<'_>> = inputs_with(&m, "answer", features);
-    outputs_with(&m, "half", &prepare(Netlist(&m), features, state, answer), features);
+    outputs_with(&m, "half", &prepare(Netlist(&m), parameters, state, answer), features);
     m.finish()
 }
 

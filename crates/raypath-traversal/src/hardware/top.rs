@@ -185,7 +185,6 @@ impl<'m> Top<'m> {
     }
 
     fn blocks(&self, ports: &Ports<'m>) -> Result<Outputs<'m>, UnitError> {
-        let UnitParameters { contexts, memory_width, step, .. } = self.parameters;
         let data = ports.beat.iter().enumerate().map(|(word, wire)| named(&format!("data_{word}"), *wire));
         let back = &self.back;
         let inputs = Inputs::default()
@@ -199,7 +198,7 @@ impl<'m> Top<'m> {
             .port("child_context", back.step.1.wire())
             .port("index_read", back.limits.0.wire())
             .port("index_context", back.limits.1.wire());
-        Ok(inputs.place(self.m, "u_blocks", &blocks(contexts, memory_width, step.node)?))
+        Ok(inputs.place(self.m, "u_blocks", &blocks(self.parameters)?))
     }
 
     /// What is kept of a fetch for the jobs of its block: the number of triangles, the ray's extent and, with instances,
@@ -294,9 +293,9 @@ impl<'m> Top<'m> {
     fn distance(&self, jobs: &Jobs<'m>, outcome: &Outcome<'m>) -> Result<Outputs<'m>, UnitError> {
         let StepParameters { features, node, .. } = self.parameters.step;
         let Outcome { ports, is_boxes, is_transform, tag, context, ready } = outcome;
-        let weights = ["u", "v"].map(|name| (format!("{name}_num"), format!("barycentric_{name}")));
+        let weights = [("u_num", "barycentric_v"), ("v_num", "barycentric_w")];
         let weights = weights.into_iter().filter(|(name, _)| features.has(name));
-        let weights: Named<'m> = weights.map(|(name, port)| (name, ports.port(&port))).collect();
+        let weights: Named<'m> = weights.map(|(name, port)| named(name, ports.port(port))).collect();
         let place: Named<'m> = match node {
             NodeKind::Wide4 => vec![named("place", tag.bits(2, 1)), named("is_last", tag.bit(0))],
             NodeKind::Quantised => Vec::new(),
@@ -312,7 +311,9 @@ impl<'m> Top<'m> {
             .port("t_denom", ports.port("t_denom"))
             .ports(weights)
             .ports(prefixed("limits", jobs.rays.under("limits")))
+            .ports(prefixed("limits", self.culls()))
             .ports(prefixed("index", jobs.blocks.under("index")))
+            .ports(features.has("geometry").then(|| named("geometry", jobs.blocks.port("geometry"))))
             .port("taken", self.back.taken[1].wire())
             .place(self.m, "u_distance", &distance(self.parameters)?);
         self.back.limits.0.drive(closest.port("read"));
@@ -322,6 +323,18 @@ impl<'m> Top<'m> {
         let is_taken = is_transform.map_or(is_taken, |is| is.mux(jobs.rays.port("transformed_ready"), is_taken));
         ready.drive(*is_boxes | is_taken);
         Ok(closest)
+    }
+
+    /// With flags: what is kept of a fetch for the hits of its triangles, namely those that are not hit.
+    fn culls(&self) -> Named<'m> {
+        let back = &self.back;
+        let culls: Named<'m> = back.fetch_culls.iter().map(|(name, forward)| named(name, forward.wire())).collect();
+        if culls.is_empty() {
+            return culls;
+        }
+        let (by_fetch, read) =
+            ((back.fetch.0.wire(), back.fetch.1.wire()), (back.limits.0.wire(), back.limits.1.wire()));
+        keep("u_culls", self.parameters.contexts, by_fetch, culls, read)
     }
 
     fn walk(&self, jobs: &Jobs<'m>, outcome: &Outcome<'m>, closest: &Outputs<'m>) -> Result<Outputs<'m>, UnitError> {
@@ -357,6 +370,7 @@ impl<'m> Top<'m> {
         ] {
             forward.drive(walk.port(name));
         }
+        back.fetch_culls.iter().for_each(|(name, forward)| forward.drive(walk.port(name)));
         Ok(walk)
     }
 
@@ -401,13 +415,18 @@ impl<'m> Top<'m> {
         m.output("ray_ready_o", rays.port("ready"));
         m.output("hit_valid_o", hits.port("valid"));
         m.output("hit_id_o", rays.port("id"));
-        for name in ["status", "t", "triangle", "t_num", "t_denom", "back_face", "nodes", "triangles"] {
-            m.output(&format!("hit_{name}_o"), hits.port(name));
-        }
-        let optional = [("u", features.barycentrics), ("v", features.barycentrics), ("instance", features.instances)];
-        for (name, _) in optional.into_iter().filter(|(_, is_there)| *is_there) {
-            m.output(&format!("hit_{name}_o"), hits.port(name));
-        }
+        let UnitFeatures { barycentrics, instances, .. } = features;
+        let optional = [
+            ("u", barycentrics),
+            ("v", barycentrics),
+            ("instance", instances),
+            ("geometry", features.has_flags()),
+            ("custom_index", instances && features.has_flags()),
+            ("shader_offset", instances && features.has_flags()),
+        ];
+        let optional = optional.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name);
+        let always = ["status", "t", "primitive", "t_num", "t_denom", "back_face", "nodes", "triangles"];
+        always.into_iter().chain(optional).for_each(|name| m.output(&format!("hit_{name}_o"), hits.port(name)));
         m.output("mem_req_valid_o", request.port("valid"));
         m.output("mem_req_addr_o", m.concat(&[request.port("block"), m.constant(node.offset_bits(), 0)]));
         m.output("mem_req_tag_o", request.port("context"));

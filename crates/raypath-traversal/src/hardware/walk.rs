@@ -11,10 +11,10 @@ use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::scheduler::{SOURCES, scheduler};
 use super::step::{finish_module, prepare_module};
-use crate::netlist::{Netlist, Value, wires_with};
-use crate::state::{Group, RayState, answer, request};
+use crate::netlist::{Netlist, inputs_with, wires_with};
+use crate::state::{Group, RayState, RayWords, answer, request};
 use raypath_hdl::{Builder, Error, Module, Wire};
-use raypath_ops::{Binary32, Bit, Num, Word, ports_of};
+use raypath_ops::{Binary32, ports_of};
 use std::sync::Arc;
 
 /// The module `raypath_unit_walk`.
@@ -49,7 +49,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let closest: Vec<_> = CLOSEST.into_iter().filter(|(name, _)| step.features.has(name)).collect();
     let closest = inputs(&closest);
     let children = inputs(&[("child_0", 32), ("child_1", 32), ("child_2", 32), ("child_3", 32)]);
-    let begin = inputs(&[("begin_root", 32), ("begin_t_max", 32), ("begin_any_hit", 1)]);
+    let begin: RayWords<Netlist<'_>> = inputs_with(m, "begin", step.features);
 
     m.section("The answer that is taken, and the state of its ray");
     let again_taken = m.forward("again_taken", 1);
@@ -78,7 +78,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let read_context = granted(grant, sources.iter().map(|(_, context)| *context)).named("read_context");
     let either = |refused: u32, ready: u32| is_refused.mux(constant(3, refused), constant(3, ready));
     let start_kind = either(answer::REFUSED, answer::START);
-    let start_kind = is_instance.map_or(start_kind, |is| is.mux(either(answer::ERROR, answer::ENTER), start_kind));
+    let start_kind =
+        is_instance.map_or(start_kind, |is| is.mux(either(answer::CANNOT_ENTER, answer::ENTER), start_kind));
     let kinds = [answer::BOXES, answer::BLOCK, answer::ERROR].map(|kind| constant(3, kind)).into_iter();
     let kind = granted(grant, kinds.chain([start_kind, constant(3, answer::CONTINUE)]));
     let prepares = m.register("prepares_q", 1).reset_to(0);
@@ -94,18 +95,13 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let finished_context = delay("finished_context_q", prepared_context);
     context.drive(finished_context);
     let fields = ports_of::<RayState<Binary32>>();
-    let fields = fields.iter().filter(|port| step.features.has(&port.name) && !OF_RAY.contains(&port.name.as_str()));
+    let fields = fields.iter().filter(|port| step.features.has(&port.name) && !is_of_ray(&port.name));
     let columns: Vec<(&str, u32)> = fields.map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
     let states = m.memory("u_states", count, &columns);
     let kept: Vec<(&str, Wire<'_>)> =
         columns.iter().map(|(name, _)| *name).zip(states.read(read, read_context)).collect();
     let c = Netlist(m);
-    let first = RayState::begin(
-        c,
-        Word::new(c, Value(begin[0].1)),
-        Num::new(c, Value(begin[1].1)),
-        Bit::new(c, Value(begin[2].1)),
-    );
+    let first = RayState::begin(c, begin);
     let begins = (kind.is(answer::START.into()) | kind.is(answer::REFUSED.into())).named("begins");
     let state = wires_with("", &first, step.features).map(|(name, first)| {
         let value = match kept.iter().find(|(known, _)| *known == name) {
@@ -124,7 +120,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let half = Inputs::default().ports(state).ports(prefixed("answer", answer_words.collect())).place(
         m,
         "u_prepare",
-        &prepare_module(step.features)?,
+        &prepare_module(step)?,
     );
     let slot_bits = step.stack.trailing_zeros();
     let slot = |context: Wire<'_>, level: Wire<'_>| m.concat(&[context, level.lower(slot_bits)]);
@@ -140,7 +136,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let top = top_columns.iter().map(|port| format!("top_{}", port.name)).zip(top);
     let done = Inputs::default().ports(half).ports(top).place(m, "u_finish", &finish_module(step)?);
     let next = done.under("next");
-    let changed = next.iter().filter(|(name, _)| !OF_RAY.contains(&name.as_str()));
+    let changed = next.iter().filter(|(name, _)| !is_of_ray(name));
     states.write(finishes.wire(), finished_context, &changed.map(|(_, wire)| *wire).collect::<Vec<_>>());
     let group: Vec<Wire<'_>> = done.under("request_group").into_iter().map(|(_, wire)| wire).collect();
     stack.write(
@@ -164,7 +160,10 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.unused("unused_offset", &[address.lower(step.node.offset_bits())]);
     m.unused("unused_level", &[level.upper(level.width() - slot_bits)]);
     m.output("block_o", address.upper(address.width() - step.node.offset_bits()));
-    for name in ["count", "status", "is_instance"].into_iter().filter(|name| step.features.has(name)) {
+    for name in ["count", "status", "is_instance", "culls_clockwise", "culls_counter_clockwise"]
+        .into_iter()
+        .filter(|name| step.features.has(name))
+    {
         m.output(&format!("{name}_o"), done.port(&format!("request_{name}")));
     }
     let is_inside = next.iter().filter(|(name, _)| name == "inside");
@@ -188,8 +187,10 @@ fn delay_all(words: Named<'_>) -> Named<'_> {
     words.into_iter().map(|(name, wire)| (name.clone(), delay(&format!("{name}_q"), wire))).collect()
 }
 
-/// The fields of a ray's state that stay as the ray has them, and are kept with the ray.
-const OF_RAY: [&str; 2] = ["any_hit", "root"];
+/// Whether this field of a ray's state stays as the ray has it, and is kept with the ray.
+fn is_of_ray(field: &str) -> bool {
+    ["any_hit", "root", "cull_mask"].contains(&field) || field.starts_with("flags_")
+}
 
 /// The other fields that a ray has at its beginning. The rest of its state is written before it is read.
 const AT_FIRST: [&str; 8] =
@@ -208,13 +209,14 @@ const BOXES: [(&str, u32); 8] = [
 ];
 
 /// The closest hit of a block.
-const CLOSEST: [(&str, u32); 8] = [
+const CLOSEST: [(&str, u32); 9] = [
     ("closest_is_hit", 1),
     ("closest_t", 32),
     ("closest_t_num", 32),
     ("closest_t_denom", 32),
     ("closest_u_num", 32),
     ("closest_v_num", 32),
-    ("closest_back_face", 1),
-    ("closest_triangle", 32),
+    ("closest_is_clockwise", 1),
+    ("closest_primitive", 32),
+    ("closest_geometry", 32),
 ];

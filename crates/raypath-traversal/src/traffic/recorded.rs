@@ -1,6 +1,6 @@
 //! An engine whose cycles are recorded, so that the text of the unit can be driven with the same inputs.
 
-use crate::{UnitEngine, UnitInputs, UnitOutputs, words_of};
+use crate::{UnitEngine, UnitInputs, UnitOutputs, UnitPorts};
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 use raypath_hdl::Module;
@@ -21,15 +21,14 @@ pub struct RecordedEngine<E> {
     pub engine: E,
     /// Its cycles so far, without those that were taken out.
     pub cycles: Vec<RecordedCycle>,
-    widths: Vec<u32>,
+    ports: UnitPorts,
     random: ChaCha8Rng,
 }
 
 impl<E: UnitEngine> RecordedEngine<E> {
     /// Records the cycles of an engine for a unit with this top module.
     pub fn new(engine: E, top: &Module) -> Self {
-        let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
-        Self { engine, cycles: Vec::new(), widths, random: ChaCha8Rng::seed_from_u64(9) }
+        Self { engine, cycles: Vec::new(), ports: UnitPorts::of(top), random: ChaCha8Rng::seed_from_u64(9) }
     }
 }
 
@@ -39,14 +38,14 @@ impl<E: UnitEngine> UnitEngine for RecordedEngine<E> {
     }
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
-        let words = words_of(inputs, &self.widths, || self.random.next_u64());
+        let words = self.ports.words(inputs, || self.random.next_u64());
         let frame = [1].into_iter().chain(words).collect();
         self.cycles.push(RecordedCycle { frame, outputs: Some(self.engine.outputs()) });
         self.engine.cycle(inputs);
     }
 
     fn reset(&mut self) {
-        let idle = words_of(&UnitInputs::default(), &self.widths, || self.random.next_u64());
+        let idle = self.ports.words(&UnitInputs::default(), || self.random.next_u64());
         self.cycles.push(RecordedCycle { frame: [0].into_iter().chain(idle).collect(), outputs: None });
         self.engine.reset();
     }

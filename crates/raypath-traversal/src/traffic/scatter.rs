@@ -22,22 +22,64 @@ impl BlockScene {
     pub fn scatter(&mut self, root: u32, random: &mut ChaCha8Rng) -> u32 {
         let (upper, nodes) = (!self.address_mask(), self.1);
         let has_invalid = random.random_range(0..4) == 0;
-        let (mut pending, mut seen) = (vec![root], BTreeSet::new());
-        while let Some(word) = pending.pop() {
-            let Ok(child) = Child::of(word & !upper, nodes) else { continue };
-            for block in blocks(child, nodes).filter(|&block| seen.insert(block)) {
-                let Some((children, indices)) = self.words_mut(child, block) else { continue };
-                indices.iter_mut().for_each(|index| *index = random.random());
-                for child in children {
-                    pending.push(u32::from_le_bytes(*child));
-                    let new = scattered(u32::from_le_bytes(*child), upper, random);
-                    let is_invalid = has_invalid && random.random_range(0..64) == 0;
-                    let new = if is_invalid { invalid_child(new, nodes, random) } else { new };
-                    *child = new.to_le_bytes();
-                }
+        for (child, block) in self.reachable(root) {
+            let Some((children, indices)) = self.words_mut(child, block) else { continue };
+            indices.iter_mut().for_each(|index| *index = random.random());
+            for child in children {
+                let new = scattered(u32::from_le_bytes(*child), upper, random);
+                let is_invalid = has_invalid && random.random_range(0..64) == 0;
+                let new = if is_invalid { invalid_child(new, nodes, random) } else { new };
+                *child = new.to_le_bytes();
             }
         }
         scattered(root, upper, random)
+    }
+
+    /// Makes leaves that can be reached from `root` opaque or not, and gives indices to their geometries, and masks,
+    /// flags and further indices to instances. Returns the new word of the root. For units with
+    /// [`Queries::Flags`](crate::Queries::Flags).
+    pub fn give_geometries(&mut self, root: u32, random: &mut ChaCha8Rng) -> u32 {
+        let nodes = self.1;
+        let opacity = |word: u32, random: &mut ChaCha8Rng| match Child::of(word, nodes) {
+            Ok(Child::Leaf { address, count, .. }) => {
+                let leaf = Child::Leaf { address, count, is_opaque: random.random() };
+                leaf.word(nodes).unwrap_or(word)
+            }
+            _ => word,
+        };
+        for (child, block) in self.reachable(root) {
+            let Some((children, indices)) = self.words_mut(child, block) else { continue };
+            for child in children {
+                *child = opacity(u32::from_le_bytes(*child), random).to_le_bytes();
+            }
+            match (child, indices) {
+                (Child::Leaf { .. }, indices) => {
+                    let place = nodes.geometry_word() - first_index(nodes);
+                    indices[place] = random.random_range(0..3_u32).to_le_bytes();
+                }
+                (Child::Instance { .. }, [_, custom_and_mask, offset_and_flags]) => {
+                    *custom_and_mask = random.random();
+                    *offset_and_flags = random.random();
+                }
+                _ => {}
+            }
+        }
+        opacity(root, random)
+    }
+
+    /// The blocks that can be reached from `root`, each once: their addresses and what they are.
+    fn reachable(&mut self, root: u32) -> Vec<(Child, usize)> {
+        let mask = self.address_mask();
+        let (mut pending, mut seen, mut found) = (vec![root], BTreeSet::new(), Vec::new());
+        while let Some(word) = pending.pop() {
+            let Ok(child) = Child::of(word & mask, self.1) else { continue };
+            for block in blocks(child, self.1).filter(|&block| seen.insert(block)) {
+                found.push((child, block));
+                let children = self.words_mut(child, block).map(|(children, _)| children);
+                pending.extend(children.into_iter().flatten().map(|child| u32::from_le_bytes(*child)));
+            }
+        }
+        found
     }
 
     /// The child words and the indices of a block at an address, if the scene has it.
@@ -47,12 +89,17 @@ impl BlockScene {
         let (first, children, indices) = match child {
             Child::None => (0, 0, 0),
             Child::Node { .. } => (nodes.child_word(), 4, 0),
-            Child::Instance { .. } => (NodeKind::Wide4.child_word(), 1, 1),
-            Child::Leaf { .. } => (nodes.index_word(), 0, nodes.triangles_per_block() as usize),
+            Child::Instance { .. } => (NodeKind::Wide4.child_word(), 1, 3),
+            Child::Leaf { .. } => (first_index(*nodes), 0, 1 + nodes.triangles_per_block() as usize),
         };
         let block = bytes.get_mut(address..)?.get_mut(..nodes.block_bytes() as usize)?;
         Some(block.as_chunks_mut().0[first..first + children + indices].split_at_mut(children))
     }
+}
+
+/// The first word of a leaf's block with an index.
+fn first_index(nodes: NodeKind) -> usize {
+    nodes.index_word().min(nodes.geometry_word())
 }
 
 /// The addresses of the blocks that a child word refers to.
@@ -60,7 +107,7 @@ fn blocks(child: Child, nodes: NodeKind) -> impl Iterator<Item = usize> {
     let (address, count) = match child {
         Child::None => (0, 0),
         Child::Node { address } | Child::Instance { address } => (address, 1),
-        Child::Leaf { address, count } => (address, nodes.leaf_blocks(count)),
+        Child::Leaf { address, count, .. } => (address, nodes.leaf_blocks(count)),
     };
     (0..count).map(move |block| (address + block * nodes.block_bytes()) as usize)
 }
@@ -70,9 +117,9 @@ fn scattered(child: u32, upper: u32, random: &mut ChaCha8Rng) -> u32 {
     if child == 0 { 0 } else { child & !upper | random.random::<u32>() & upper }
 }
 
-/// A child word with an address and a random kind that is not valid: no valid kind has bit 4.
+/// A child word with an address and a random kind that is not valid: no valid kind has bits 2 and 4.
 pub fn invalid_child(child: u32, nodes: NodeKind, random: &mut ChaCha8Rng) -> u32 {
-    child | 16 | random.random_range(0..nodes.block_bytes())
+    child | 20 | random.random_range(0..nodes.block_bytes())
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Scenes made block by block, random ones, and random rays.
 
-use crate::RayRequest;
 use crate::blocks::{LeafTriangle, NODE_KIND, Node, NodeKind};
 use crate::instance::{INSTANCE_KIND, Instance};
+use crate::{RayRequest, ray_flags};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Aabb, Binary32, Triangle};
@@ -29,7 +29,7 @@ impl BlockScene {
     /// Appends a leaf, and returns its child word. The word is valid for 1 to 8 triangles.
     pub fn leaf(&mut self, triangles: &[LeafTriangle]) -> u32 {
         let word = self.address() | triangles.len() as u32;
-        self.0.extend(LeafTriangle::to_bytes(triangles, self.1));
+        self.0.extend(LeafTriangle::to_bytes(triangles, 0, self.1));
         word
     }
 
@@ -185,9 +185,24 @@ pub fn random_ray(root: u32, random: &mut ChaCha8Rng) -> RayRequest {
         direction,
         t_min,
         t_max,
-        any_hit: random.random_range(0..4) == 0,
-        cull_back: random.random_range(0..4) == 0,
-        cull_front: random.random_range(0..4) == 0,
+        flags: random_flags(random),
+        cull_mask: if random.random() { u8::MAX } else { random.random() },
         root,
     }
+}
+
+/// Flags of a ray, which seldom have no meaning.
+fn random_flags(random: &mut ChaCha8Rng) -> u32 {
+    let mut one_of =
+        |flags: [u32; 4]| if random.random_range(0..3) != 0 { 0 } else { flags[random.random_range(0..4)] };
+    let opacity = one_of([ray_flags::OPAQUE, ray_flags::NO_OPAQUE, ray_flags::CULL_OPAQUE, ray_flags::CULL_NO_OPAQUE]);
+    let (back, front) = (ray_flags::CULL_BACK_FACING_TRIANGLES, ray_flags::CULL_FRONT_FACING_TRIANGLES);
+    let faces = one_of([back, front, back, front]);
+    let ends = one_of([ray_flags::TERMINATE_ON_FIRST_HIT; 4]);
+    let odd = match random.random_range(0..16) {
+        0 => random.random::<u32>() & ray_flags::ALL,
+        1 => 1 << random.random_range(0..10),
+        _ => 0,
+    };
+    opacity | faces | ends | odd
 }

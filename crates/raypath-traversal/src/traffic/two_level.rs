@@ -124,7 +124,7 @@ fn ends(slab: Slab<Binary32>) -> [f32; 2] {
 
 /// An instance that rays may not enter, or that they enter with odd constants.
 fn odd(instance: Instance, other: u32, random: &mut ChaCha8Rng) -> Instance {
-    let Instance { mut to_object, mut root, index } = instance;
+    let Instance { mut to_object, mut root, .. } = instance;
     let place = random.random_range(0..12);
     let numbers = [f32::NAN, f32::INFINITY, f32::MAX, 1e30, 1e-40];
     let scale = |to_object: [[f32; 4]; 3], by: f32| to_object.map(|row| row.map(|number| number * by));
@@ -137,5 +137,5 @@ fn odd(instance: Instance, other: u32, random: &mut ChaCha8Rng) -> Instance {
         5 => root = [0, 63, 0x4000_0020][random.random_range(0..3)],
         _ => root = other,
     }
-    Instance { to_object, root, index }
+    Instance { to_object, root, ..instance }
 }

@@ -8,7 +8,7 @@ use raypath_traversal::{HitLimits, fold};
 
 /// A block, and the outcomes of its triangles.
 struct Block {
-    /// `t_min`, `cull_back`, `cull_front`.
+    /// `t_min`, and whether clockwise and counter-clockwise triangles are culled.
     limits: [u64; 3],
     indices: [u64; 3],
     triangles: Vec<Triangle>,
@@ -23,7 +23,7 @@ struct Triangle {
 }
 
 /// What is compared. Some units have the numerators of barycentric coordinates.
-const CLOSEST: [&str; 8] = ["is_hit", "t", "t_num", "t_denom", "u_num", "v_num", "back_face", "triangle"];
+const CLOSEST: [&str; 8] = ["is_hit", "t", "t_num", "t_denom", "u_num", "v_num", "is_clockwise", "primitive"];
 
 /// The blocks of a check.
 const BLOCKS: usize = 3_000;
@@ -128,8 +128,9 @@ impl Block {
                 t_denom: t_denom.into(),
                 u_num: u.into(),
                 v_num: v.into(),
-                back_face: (!triangle.is_front).into(),
-                triangle: Word::truncate(self.indices[place] as u32),
+                is_clockwise: (!triangle.is_front).into(),
+                primitive: Word::truncate(self.indices[place] as u32),
+                geometry: Word::truncate(0),
             };
             closest = fold(closest, (place == 0).into(), found, limits);
         }

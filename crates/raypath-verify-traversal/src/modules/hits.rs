@@ -11,7 +11,7 @@ const HIT: u64 = 1;
 const VALUES: [(&str, &str, bool); 9] = [
     ("status_o", "status_i", false),
     ("t_o", "next_extent_i", true),
-    ("triangle_o", "next_triangle_i", true),
+    ("primitive_o", "next_primitive_i", true),
     ("t_num_o", "next_t_num_i", true),
     ("t_denom_o", "next_t_denom_i", true),
     ("back_face_o", "next_back_face_i", true),

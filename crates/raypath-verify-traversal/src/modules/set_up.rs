@@ -14,6 +14,7 @@ const TURN: usize = 5;
 pub fn run(bench: &mut Bench, divider_latency: u32) -> Result<(), String> {
     let has_instances = bench.input("transformed_valid_i").is_some();
     let [valid, free, context, origin] = bench.inputs(["valid_i", "free_i", "context_i", "entry_origin_x_i"]);
+    let [meaningless] = bench.inputs(["is_meaningless_i"]);
     let [is_transformed, is_last] = bench.inputs(["transformed_valid_i", "transformed_is_last_i"]);
     let [transformed_context, transformed] = bench.inputs(["transformed_context_i", "transformed_x_i"]);
     let [ready, takes, enters, origin_context] =
@@ -32,6 +33,8 @@ pub fn run(bench: &mut Bench, divider_latency: u32) -> Result<(), String> {
         let (given, tag, words) = (entry(bench), bench.words()[context], bench.words());
         bench.set(valid, u64::from(is_valid && is_free));
         bench.set(context, tag);
+        let is_meaningless = bench.chance(8);
+        bench.set(meaningless, is_meaningless.into());
         given.iter().enumerate().for_each(|(k, &word)| bench.set(origin + k, word));
         // An outcome is an origin, or the direction that follows one; a new one comes at random times.
         let is_first = has_instances && instance.is_none() && bench.chance(3);
@@ -81,6 +84,7 @@ pub fn run(bench: &mut Bench, divider_latency: u32) -> Result<(), String> {
             let words = if chosen { words } else { given };
             if chosen || is_valid && is_free {
                 let (is_refused, constants) = constants_of(&words);
+                let is_refused = is_refused || is_meaningless && !chosen;
                 expected.push_back((if chosen { number } else { tag }, chosen, is_refused, constants));
                 ready_from = cycle + TURN;
             }

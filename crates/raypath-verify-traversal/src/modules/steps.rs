@@ -3,18 +3,18 @@
 use super::Bench;
 use raypath_ops::{Binary32, Bundle, Port, from_words, ports_of, to_words};
 use raypath_traversal::state::{Answer, Group, RayState, Request};
-use raypath_traversal::{HalfStep, StepParameters, UnitFeatures};
+use raypath_traversal::{HalfStep, StepParameters};
 
 /// The cases of each half.
 const CASES: usize = 40_000;
 
 /// Compares the first half with the function.
-pub fn prepare(bench: &mut Bench, features: UnitFeatures) -> Result<(), String> {
+pub fn prepare(bench: &mut Bench, parameters: StepParameters) -> Result<(), String> {
     let (state, answer) =
         (Ports::inputs::<RayState<Binary32>>(bench, "state"), Ports::inputs::<Answer<_>>(bench, "answer"));
     let half = Ports::outputs::<HalfStep<Binary32>>(bench, "half");
     compare(bench, &mut |bench, words| {
-        half.check(bench, &raypath_traversal::prepare(Binary32, features, state.of(words), answer.of(words)))
+        half.check(bench, &raypath_traversal::prepare(Binary32, parameters, state.of(words), answer.of(words)))
     })
 }
 

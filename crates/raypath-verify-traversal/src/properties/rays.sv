@@ -48,7 +48,7 @@
   p_kept #(.B (65)) p_keeps_begins (
     .clk_i, .rst_ni, .writes (p_enters && contexts_context == p_context),
     .reads (step_read_i && step_context_i == p_context), .ignored (1'b0),
-    .given ({root_i, entry_t_max_i, any_hit_i}), .stored (\u_begins.word_q ),
+    .given ({root_i, entry_t_max_i, flags_i[2]}), .stored (\u_begins.word_q ),
     .shown ({begin_root_o, begin_t_max_o, begin_any_hit_o}),
     .right (p_begins_right), .stays (p_begins_stays)
   );
@@ -58,8 +58,9 @@
   p_kept #(.B (34)) p_keeps_limits (
     .clk_i, .rst_ni, .writes (p_enters && contexts_context == p_context),
     .reads (limits_read_i && limits_context_i == p_context), .ignored (1'b0),
-    .given ({entry_t_min_i, cull_i[0], cull_i[1]}), .stored (\u_limits.word_q ),
-    .shown ({limits_t_min_o, limits_cull_back_o, limits_cull_front_o}),
+    .given ({entry_t_min_i, flags_i[4] | flags_i[6] | flags_i[8], flags_i[5] | flags_i[6] | flags_i[8]}),
+    .stored (\u_limits.word_q ),
+    .shown ({limits_t_min_o, limits_culls_clockwise_o, limits_culls_counter_clockwise_o}),
     .right (p_limits_right), .stays (p_limits_stays)
   );
   (* hierconn *) logic [A-1:0] \u_origins.slot ;

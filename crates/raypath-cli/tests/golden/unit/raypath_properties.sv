@@ -402,7 +402,7 @@ module raypath_unit_ports_properties #(
 endmodule : raypath_unit_ports_properties
 
 bind raypath_unit raypath_stall_properties #(
-    .Width (211)
+    .Width (212)
   ) u_hit_stall_properties (
     .clk_i (clk_i),
     .rst_ni (rst_ni),
@@ -412,7 +412,7 @@ bind raypath_unit raypath_stall_properties #(
       hit_id_o,
       hit_status_o,
       hit_t_o,
-      hit_triangle_o,
+      hit_primitive_o,
       hit_t_num_o,
       hit_t_denom_o,
       hit_back_face_o,

@@ -11,8 +11,7 @@ module raypath_unit (
   input  logic         rst_ni,
   input  logic         ray_valid_i,
   input  logic [15:0]  ray_id_i,
-  input  logic         ray_any_hit_i,
-  input  logic [1:0]   ray_cull_i,
+  input  logic [9:0]   ray_flags_i,
   input  logic [31:0]  ray_root_i,
   input  logic [31:0]  ray_origin_x_i,
   input  logic [31:0]  ray_origin_y_i,
@@ -31,9 +30,9 @@ module raypath_unit (
   output logic         ray_ready_o,
   output logic         hit_valid_o,
   output logic [15:0]  hit_id_o,
-  output logic [1:0]   hit_status_o,
+  output logic [2:0]   hit_status_o,
   output logic [31:0]  hit_t_o,
-  output logic [31:0]  hit_triangle_o,
+  output logic [31:0]  hit_primitive_o,
   output logic [31:0]  hit_t_num_o,
   output logic [31:0]  hit_t_denom_o,
   output logic         hit_back_face_o,
@@ -100,8 +99,8 @@ module raypath_unit (
   logic [5:0]  rays_start_context;
   logic        rays_start_is_refused;
   logic [31:0] rays_limits_t_min;
-  logic        rays_limits_cull_back;
-  logic        rays_limits_cull_front;
+  logic        rays_limits_culls_clockwise;
+  logic        rays_limits_culls_counter_clockwise;
   logic [31:0] rays_job_origin_x;
   logic [31:0] rays_job_origin_y;
   logic [31:0] rays_job_origin_z;
@@ -123,14 +122,14 @@ module raypath_unit (
     .entry_origin_y_i (ray_origin_y_i), .entry_origin_z_i (ray_origin_z_i),
     .entry_dir_x_i (ray_dir_x_i), .entry_dir_y_i (ray_dir_y_i), .entry_dir_z_i (ray_dir_z_i),
     .entry_t_min_i (ray_tmin_i), .entry_t_max_i (ray_tmax_i), .id_i (ray_id_i),
-    .any_hit_i (ray_any_hit_i), .cull_i (ray_cull_i), .root_i (ray_root_i),
-    .start_taken_i (start_taken), .release_i (releases), .hit_context_i (hit_context),
-    .job_read_i (take), .job_context_i (take_context), .limits_read_i (limits_read),
-    .limits_context_i (limits_context), .step_read_i (step_read), .step_context_i (step_context),
-    .ready_o (ray_ready_o), .start_valid_o (rays_start_valid),
-    .start_context_o (rays_start_context), .start_is_refused_o (rays_start_is_refused),
-    .id_o (hit_id_o), .limits_t_min_o (rays_limits_t_min),
-    .limits_cull_back_o (rays_limits_cull_back), .limits_cull_front_o (rays_limits_cull_front),
+    .flags_i (ray_flags_i), .root_i (ray_root_i), .start_taken_i (start_taken),
+    .release_i (releases), .hit_context_i (hit_context), .job_read_i (take),
+    .job_context_i (take_context), .limits_read_i (limits_read), .limits_context_i (limits_context),
+    .step_read_i (step_read), .step_context_i (step_context), .ready_o (ray_ready_o),
+    .start_valid_o (rays_start_valid), .start_context_o (rays_start_context),
+    .start_is_refused_o (rays_start_is_refused), .id_o (hit_id_o),
+    .limits_t_min_o (rays_limits_t_min), .limits_culls_clockwise_o (rays_limits_culls_clockwise),
+    .limits_culls_counter_clockwise_o (rays_limits_culls_counter_clockwise),
     .job_origin_x_o (rays_job_origin_x), .job_origin_y_o (rays_job_origin_y),
     .job_origin_z_o (rays_job_origin_z), .job_inv_x_o (rays_job_inv_x),
     .job_inv_y_o (rays_job_inv_y), .job_inv_z_o (rays_job_inv_z), .job_shear_x_o (rays_job_shear_x),
@@ -310,32 +309,33 @@ module raypath_unit (
   logic [31:0] distance_closest_t;
   logic [31:0] distance_closest_t_num;
   logic [31:0] distance_closest_t_denom;
-  logic        distance_closest_back_face;
-  logic [31:0] distance_closest_triangle;
+  logic        distance_closest_is_clockwise;
+  logic [31:0] distance_closest_primitive;
 
   raypath_unit_distance u_distance (
     .clk_i, .rst_ni, .valid_i (datapath_output_valid & ~is_boxes), .context_i (outcome_context),
     .place_i (datapath_tag[2:1]), .is_last_i (datapath_tag[0]), .is_hit_i (datapath_triangle_hit),
     .is_front_i (datapath_facing), .t_num_i (datapath_t_num), .t_denom_i (datapath_t_denom),
-    .limits_t_min_i (rays_limits_t_min), .limits_cull_back_i (rays_limits_cull_back),
-    .limits_cull_front_i (rays_limits_cull_front), .index_0_i (blocks_index_0),
-    .index_1_i (blocks_index_1), .index_2_i (blocks_index_2), .taken_i (block_taken),
-    .ready_o (distance_ready), .read_o (distance_read), .read_context_o (distance_read_context),
-    .valid_o (distance_valid), .context_o (distance_context),
-    .closest_is_hit_o (distance_closest_is_hit), .closest_t_o (distance_closest_t),
-    .closest_t_num_o (distance_closest_t_num), .closest_t_denom_o (distance_closest_t_denom),
-    .closest_back_face_o (distance_closest_back_face),
-    .closest_triangle_o (distance_closest_triangle)
+    .limits_t_min_i (rays_limits_t_min), .limits_culls_clockwise_i (rays_limits_culls_clockwise),
+    .limits_culls_counter_clockwise_i (rays_limits_culls_counter_clockwise),
+    .index_0_i (blocks_index_0), .index_1_i (blocks_index_1), .index_2_i (blocks_index_2),
+    .taken_i (block_taken), .ready_o (distance_ready), .read_o (distance_read),
+    .read_context_o (distance_read_context), .valid_o (distance_valid),
+    .context_o (distance_context), .closest_is_hit_o (distance_closest_is_hit),
+    .closest_t_o (distance_closest_t), .closest_t_num_o (distance_closest_t_num),
+    .closest_t_denom_o (distance_closest_t_denom),
+    .closest_is_clockwise_o (distance_closest_is_clockwise),
+    .closest_primitive_o (distance_closest_primitive)
   );
 
   // ---- Steps ----------------------------------------------------------------
   logic        walk_ends;
   logic [24:0] walk_block;
-  logic [1:0]  walk_status;
+  logic [2:0]  walk_status;
   logic [31:0] walk_next_t_num;
   logic [31:0] walk_next_t_denom;
   logic        walk_next_back_face;
-  logic [31:0] walk_next_triangle;
+  logic [31:0] walk_next_primitive;
   logic [31:0] walk_next_nodes;
   logic [31:0] walk_next_triangles;
 
@@ -351,8 +351,8 @@ module raypath_unit (
     .boxes_box_index_2_i (datapath_box_index_2), .boxes_box_index_3_i (datapath_box_index_3),
     .closest_is_hit_i (distance_closest_is_hit), .closest_t_i (distance_closest_t),
     .closest_t_num_i (distance_closest_t_num), .closest_t_denom_i (distance_closest_t_denom),
-    .closest_back_face_i (distance_closest_back_face),
-    .closest_triangle_i (distance_closest_triangle), .child_0_i (blocks_child_0),
+    .closest_is_clockwise_i (distance_closest_is_clockwise),
+    .closest_primitive_i (distance_closest_primitive), .child_0_i (blocks_child_0),
     .child_1_i (blocks_child_1), .child_2_i (blocks_child_2), .child_3_i (blocks_child_3),
     .begin_root_i (rays_begin_root), .begin_t_max_i (rays_begin_t_max),
     .begin_any_hit_i (rays_begin_any_hit), .block_taken_o (walk_block_taken),
@@ -361,7 +361,7 @@ module raypath_unit (
     .context_o (walk_context), .block_o (walk_block), .count_o (walk_count),
     .status_o (walk_status), .next_extent_o (walk_next_extent), .next_t_num_o (walk_next_t_num),
     .next_t_denom_o (walk_next_t_denom), .next_back_face_o (walk_next_back_face),
-    .next_triangle_o (walk_next_triangle), .next_nodes_o (walk_next_nodes),
+    .next_primitive_o (walk_next_primitive), .next_nodes_o (walk_next_nodes),
     .next_triangles_o (walk_next_triangles)
   );
 
@@ -377,13 +377,13 @@ module raypath_unit (
   raypath_unit_hits u_hits (
     .clk_i, .rst_ni, .ends_i (walk_ends), .context_i (walk_context), .status_i (walk_status),
     .ready_i (hit_ready_i), .next_extent_i (walk_next_extent),
-    .next_triangle_i (walk_next_triangle), .next_t_num_i (walk_next_t_num),
+    .next_primitive_i (walk_next_primitive), .next_t_num_i (walk_next_t_num),
     .next_t_denom_i (walk_next_t_denom), .next_back_face_i (walk_next_back_face),
     .next_nodes_i (walk_next_nodes), .next_triangles_i (walk_next_triangles),
     .release_o (hits_release), .context_o (hits_context), .valid_o (hit_valid_o),
-    .status_o (hit_status_o), .t_o (hit_t_o), .triangle_o (hit_triangle_o), .t_num_o (hit_t_num_o),
-    .t_denom_o (hit_t_denom_o), .back_face_o (hit_back_face_o), .nodes_o (hit_nodes_o),
-    .triangles_o (hit_triangles_o)
+    .status_o (hit_status_o), .t_o (hit_t_o), .primitive_o (hit_primitive_o),
+    .t_num_o (hit_t_num_o), .t_denom_o (hit_t_denom_o), .back_face_o (hit_back_face_o),
+    .nodes_o (hit_nodes_o), .triangles_o (hit_triangles_o)
   );
 
   // ---- Outputs --------------------------------------------------------------

@@ -11,8 +11,7 @@ module raypath_unit_axi (
   input  logic         rst_ni,
   input  logic         ray_valid_i,
   input  logic [15:0]  ray_id_i,
-  input  logic         ray_any_hit_i,
-  input  logic [1:0]   ray_cull_i,
+  input  logic [9:0]   ray_flags_i,
   input  logic [31:0]  ray_root_i,
   input  logic [31:0]  ray_origin_x_i,
   input  logic [31:0]  ray_origin_y_i,
@@ -32,9 +31,9 @@ module raypath_unit_axi (
   output logic         ray_ready_o,
   output logic         hit_valid_o,
   output logic [15:0]  hit_id_o,
-  output logic [1:0]   hit_status_o,
+  output logic [2:0]   hit_status_o,
   output logic [31:0]  hit_t_o,
-  output logic [31:0]  hit_triangle_o,
+  output logic [31:0]  hit_primitive_o,
   output logic [31:0]  hit_t_num_o,
   output logic [31:0]  hit_t_denom_o,
   output logic         hit_back_face_o,
@@ -58,12 +57,12 @@ module raypath_unit_axi (
   assign unused_rlast = m_axi_rlast;
 
   raypath_unit u_unit (
-    .clk_i, .rst_ni, .ray_valid_i, .ray_id_i, .ray_any_hit_i, .ray_cull_i, .ray_root_i,
-    .ray_origin_x_i, .ray_origin_y_i, .ray_origin_z_i, .ray_dir_x_i, .ray_dir_y_i, .ray_dir_z_i,
-    .ray_tmin_i, .ray_tmax_i, .hit_ready_i, .mem_req_ready_i (m_axi_arready),
-    .mem_rsp_valid_i (m_axi_rvalid), .mem_rsp_tag_i (m_axi_rid), .mem_rsp_error_i (|m_axi_rresp),
-    .mem_rsp_data_i (m_axi_rdata), .ray_ready_o, .hit_valid_o, .hit_id_o, .hit_status_o, .hit_t_o,
-    .hit_triangle_o, .hit_t_num_o, .hit_t_denom_o, .hit_back_face_o, .hit_nodes_o, .hit_triangles_o,
+    .clk_i, .rst_ni, .ray_valid_i, .ray_id_i, .ray_flags_i, .ray_root_i, .ray_origin_x_i,
+    .ray_origin_y_i, .ray_origin_z_i, .ray_dir_x_i, .ray_dir_y_i, .ray_dir_z_i, .ray_tmin_i,
+    .ray_tmax_i, .hit_ready_i, .mem_req_ready_i (m_axi_arready), .mem_rsp_valid_i (m_axi_rvalid),
+    .mem_rsp_tag_i (m_axi_rid), .mem_rsp_error_i (|m_axi_rresp), .mem_rsp_data_i (m_axi_rdata),
+    .ray_ready_o, .hit_valid_o, .hit_id_o, .hit_status_o, .hit_t_o, .hit_primitive_o, .hit_t_num_o,
+    .hit_t_denom_o, .hit_back_face_o, .hit_nodes_o, .hit_triangles_o,
     .mem_req_valid_o (m_axi_arvalid), .mem_req_addr_o (m_axi_araddr), .mem_req_tag_o (m_axi_arid),
     .mem_rsp_ready_o (m_axi_rready)
   );

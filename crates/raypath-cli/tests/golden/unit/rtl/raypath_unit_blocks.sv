@@ -204,68 +204,66 @@ module raypath_unit_blocks (
   logic failed_t8;
   logic failed_t9;
   logic failed;
-  logic failed_0_t1;
   logic beat_0_d;
   logic arrived;
 
-  assign beat_t1     = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_7_q : beat_6_q) :
+  assign beat_t1   = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_7_q : beat_6_q) :
       (context_i[0] ? beat_5_q : beat_4_q)) : (context_i[1] ? (context_i[0] ? beat_3_q : beat_2_q) :
       (context_i[0] ? beat_1_q : beat_0_q));
-  assign beat_t2     = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_15_q : beat_14_q) :
+  assign beat_t2   = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_15_q : beat_14_q) :
       (context_i[0] ? beat_13_q : beat_12_q)) : (context_i[1] ? (context_i[0] ? beat_11_q :
       beat_10_q) : (context_i[0] ? beat_9_q : beat_8_q));
-  assign beat_t3     = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_23_q : beat_22_q) :
+  assign beat_t3   = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_23_q : beat_22_q) :
       (context_i[0] ? beat_21_q : beat_20_q)) : (context_i[1] ? (context_i[0] ? beat_19_q :
       beat_18_q) : (context_i[0] ? beat_17_q : beat_16_q));
-  assign beat_t4     = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_31_q : beat_30_q) :
+  assign beat_t4   = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_31_q : beat_30_q) :
       (context_i[0] ? beat_29_q : beat_28_q)) : (context_i[1] ? (context_i[0] ? beat_27_q :
       beat_26_q) : (context_i[0] ? beat_25_q : beat_24_q));
-  assign beat_t5     = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_39_q : beat_38_q) :
+  assign beat_t5   = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_39_q : beat_38_q) :
       (context_i[0] ? beat_37_q : beat_36_q)) : (context_i[1] ? (context_i[0] ? beat_35_q :
       beat_34_q) : (context_i[0] ? beat_33_q : beat_32_q));
-  assign beat_t6     = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_47_q : beat_46_q) :
+  assign beat_t6   = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_47_q : beat_46_q) :
       (context_i[0] ? beat_45_q : beat_44_q)) : (context_i[1] ? (context_i[0] ? beat_43_q :
       beat_42_q) : (context_i[0] ? beat_41_q : beat_40_q));
-  assign beat_t7     = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_55_q : beat_54_q) :
+  assign beat_t7   = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_55_q : beat_54_q) :
       (context_i[0] ? beat_53_q : beat_52_q)) : (context_i[1] ? (context_i[0] ? beat_51_q :
       beat_50_q) : (context_i[0] ? beat_49_q : beat_48_q));
-  assign beat_t8     = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_63_q : beat_62_q) :
+  assign beat_t8   = context_i[2] ? (context_i[1] ? (context_i[0] ? beat_63_q : beat_62_q) :
       (context_i[0] ? beat_61_q : beat_60_q)) : (context_i[1] ? (context_i[0] ? beat_59_q :
       beat_58_q) : (context_i[0] ? beat_57_q : beat_56_q));
-  assign beat        = context_i[5] ? (context_i[4] ? (context_i[3] ? beat_t8 : beat_t7) :
+  assign beat      = context_i[5] ? (context_i[4] ? (context_i[3] ? beat_t8 : beat_t7) :
       (context_i[3] ? beat_t6 : beat_t5)) : (context_i[4] ? (context_i[3] ? beat_t4 : beat_t3) :
       (context_i[3] ? beat_t2 : beat_t1));
-  assign failed_t1   = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_7_q : failed_6_q) :
+  assign failed_t1 = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_7_q : failed_6_q) :
       (context_i[0] ? failed_5_q : failed_4_q)) : (context_i[1] ? (context_i[0] ? failed_3_q :
       failed_2_q) : (context_i[0] ? failed_1_q : failed_0_q));
-  assign failed_t2   = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_15_q : failed_14_q) :
+  assign failed_t2 = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_15_q : failed_14_q) :
       (context_i[0] ? failed_13_q : failed_12_q)) : (context_i[1] ? (context_i[0] ? failed_11_q :
       failed_10_q) : (context_i[0] ? failed_9_q : failed_8_q));
-  assign failed_t3   = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_23_q : failed_22_q) :
+  assign failed_t3 = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_23_q : failed_22_q) :
       (context_i[0] ? failed_21_q : failed_20_q)) : (context_i[1] ? (context_i[0] ? failed_19_q :
       failed_18_q) : (context_i[0] ? failed_17_q : failed_16_q));
-  assign failed_t4   = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_31_q : failed_30_q) :
+  assign failed_t4 = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_31_q : failed_30_q) :
       (context_i[0] ? failed_29_q : failed_28_q)) : (context_i[1] ? (context_i[0] ? failed_27_q :
       failed_26_q) : (context_i[0] ? failed_25_q : failed_24_q));
-  assign failed_t5   = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_39_q : failed_38_q) :
+  assign failed_t5 = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_39_q : failed_38_q) :
       (context_i[0] ? failed_37_q : failed_36_q)) : (context_i[1] ? (context_i[0] ? failed_35_q :
       failed_34_q) : (context_i[0] ? failed_33_q : failed_32_q));
-  assign failed_t6   = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_47_q : failed_46_q) :
+  assign failed_t6 = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_47_q : failed_46_q) :
       (context_i[0] ? failed_45_q : failed_44_q)) : (context_i[1] ? (context_i[0] ? failed_43_q :
       failed_42_q) : (context_i[0] ? failed_41_q : failed_40_q));
-  assign failed_t7   = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_55_q : failed_54_q) :
+  assign failed_t7 = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_55_q : failed_54_q) :
       (context_i[0] ? failed_53_q : failed_52_q)) : (context_i[1] ? (context_i[0] ? failed_51_q :
       failed_50_q) : (context_i[0] ? failed_49_q : failed_48_q));
-  assign failed_t8   = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_63_q : failed_62_q) :
+  assign failed_t8 = context_i[2] ? (context_i[1] ? (context_i[0] ? failed_63_q : failed_62_q) :
       (context_i[0] ? failed_61_q : failed_60_q)) : (context_i[1] ? (context_i[0] ? failed_59_q :
       failed_58_q) : (context_i[0] ? failed_57_q : failed_56_q));
-  assign failed_t9   = context_i[5] ? (context_i[4] ? (context_i[3] ? failed_t8 : failed_t7) :
+  assign failed_t9 = context_i[5] ? (context_i[4] ? (context_i[3] ? failed_t8 : failed_t7) :
       (context_i[3] ? failed_t6 : failed_t5)) : (context_i[4] ? (context_i[3] ? failed_t4 :
       failed_t3) : (context_i[3] ? failed_t2 : failed_t1));
-  assign failed      = failed_t9 | error_i;
-  assign arrived     = valid_i & (beat == 1'b1);
-  assign failed_0_t1 = beat == 1'b1;
-  assign beat_0_d    = beat + 1'b1;
+  assign failed    = failed_t9 | error_i;
+  assign arrived   = valid_i & beat;
+  assign beat_0_d  = beat + 1'b1;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -273,7 +271,7 @@ module raypath_unit_blocks (
       failed_0_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd0)) begin
       beat_0_q   <= beat_0_d;
-      failed_0_q <= failed & ~failed_0_t1;
+      failed_0_q <= failed & ~beat;
     end
   end
 
@@ -283,7 +281,7 @@ module raypath_unit_blocks (
       failed_1_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd1)) begin
       beat_1_q   <= beat_0_d;
-      failed_1_q <= failed & ~failed_0_t1;
+      failed_1_q <= failed & ~beat;
     end
   end
 
@@ -293,7 +291,7 @@ module raypath_unit_blocks (
       failed_2_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd2)) begin
       beat_2_q   <= beat_0_d;
-      failed_2_q <= failed & ~failed_0_t1;
+      failed_2_q <= failed & ~beat;
     end
   end
 
@@ -303,7 +301,7 @@ module raypath_unit_blocks (
       failed_3_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd3)) begin
       beat_3_q   <= beat_0_d;
-      failed_3_q <= failed & ~failed_0_t1;
+      failed_3_q <= failed & ~beat;
     end
   end
 
@@ -313,7 +311,7 @@ module raypath_unit_blocks (
       failed_4_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd4)) begin
       beat_4_q   <= beat_0_d;
-      failed_4_q <= failed & ~failed_0_t1;
+      failed_4_q <= failed & ~beat;
     end
   end
 
@@ -323,7 +321,7 @@ module raypath_unit_blocks (
       failed_5_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd5)) begin
       beat_5_q   <= beat_0_d;
-      failed_5_q <= failed & ~failed_0_t1;
+      failed_5_q <= failed & ~beat;
     end
   end
 
@@ -333,7 +331,7 @@ module raypath_unit_blocks (
       failed_6_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd6)) begin
       beat_6_q   <= beat_0_d;
-      failed_6_q <= failed & ~failed_0_t1;
+      failed_6_q <= failed & ~beat;
     end
   end
 
@@ -343,7 +341,7 @@ module raypath_unit_blocks (
       failed_7_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd7)) begin
       beat_7_q   <= beat_0_d;
-      failed_7_q <= failed & ~failed_0_t1;
+      failed_7_q <= failed & ~beat;
     end
   end
 
@@ -353,7 +351,7 @@ module raypath_unit_blocks (
       failed_8_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd8)) begin
       beat_8_q   <= beat_0_d;
-      failed_8_q <= failed & ~failed_0_t1;
+      failed_8_q <= failed & ~beat;
     end
   end
 
@@ -363,7 +361,7 @@ module raypath_unit_blocks (
       failed_9_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd9)) begin
       beat_9_q   <= beat_0_d;
-      failed_9_q <= failed & ~failed_0_t1;
+      failed_9_q <= failed & ~beat;
     end
   end
 
@@ -373,7 +371,7 @@ module raypath_unit_blocks (
       failed_10_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd10)) begin
       beat_10_q   <= beat_0_d;
-      failed_10_q <= failed & ~failed_0_t1;
+      failed_10_q <= failed & ~beat;
     end
   end
 
@@ -383,7 +381,7 @@ module raypath_unit_blocks (
       failed_11_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd11)) begin
       beat_11_q   <= beat_0_d;
-      failed_11_q <= failed & ~failed_0_t1;
+      failed_11_q <= failed & ~beat;
     end
   end
 
@@ -393,7 +391,7 @@ module raypath_unit_blocks (
       failed_12_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd12)) begin
       beat_12_q   <= beat_0_d;
-      failed_12_q <= failed & ~failed_0_t1;
+      failed_12_q <= failed & ~beat;
     end
   end
 
@@ -403,7 +401,7 @@ module raypath_unit_blocks (
       failed_13_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd13)) begin
       beat_13_q   <= beat_0_d;
-      failed_13_q <= failed & ~failed_0_t1;
+      failed_13_q <= failed & ~beat;
     end
   end
 
@@ -413,7 +411,7 @@ module raypath_unit_blocks (
       failed_14_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd14)) begin
       beat_14_q   <= beat_0_d;
-      failed_14_q <= failed & ~failed_0_t1;
+      failed_14_q <= failed & ~beat;
     end
   end
 
@@ -423,7 +421,7 @@ module raypath_unit_blocks (
       failed_15_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd15)) begin
       beat_15_q   <= beat_0_d;
-      failed_15_q <= failed & ~failed_0_t1;
+      failed_15_q <= failed & ~beat;
     end
   end
 
@@ -433,7 +431,7 @@ module raypath_unit_blocks (
       failed_16_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd16)) begin
       beat_16_q   <= beat_0_d;
-      failed_16_q <= failed & ~failed_0_t1;
+      failed_16_q <= failed & ~beat;
     end
   end
 
@@ -443,7 +441,7 @@ module raypath_unit_blocks (
       failed_17_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd17)) begin
       beat_17_q   <= beat_0_d;
-      failed_17_q <= failed & ~failed_0_t1;
+      failed_17_q <= failed & ~beat;
     end
   end
 
@@ -453,7 +451,7 @@ module raypath_unit_blocks (
       failed_18_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd18)) begin
       beat_18_q   <= beat_0_d;
-      failed_18_q <= failed & ~failed_0_t1;
+      failed_18_q <= failed & ~beat;
     end
   end
 
@@ -463,7 +461,7 @@ module raypath_unit_blocks (
       failed_19_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd19)) begin
       beat_19_q   <= beat_0_d;
-      failed_19_q <= failed & ~failed_0_t1;
+      failed_19_q <= failed & ~beat;
     end
   end
 
@@ -473,7 +471,7 @@ module raypath_unit_blocks (
       failed_20_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd20)) begin
       beat_20_q   <= beat_0_d;
-      failed_20_q <= failed & ~failed_0_t1;
+      failed_20_q <= failed & ~beat;
     end
   end
 
@@ -483,7 +481,7 @@ module raypath_unit_blocks (
       failed_21_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd21)) begin
       beat_21_q   <= beat_0_d;
-      failed_21_q <= failed & ~failed_0_t1;
+      failed_21_q <= failed & ~beat;
     end
   end
 
@@ -493,7 +491,7 @@ module raypath_unit_blocks (
       failed_22_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd22)) begin
       beat_22_q   <= beat_0_d;
-      failed_22_q <= failed & ~failed_0_t1;
+      failed_22_q <= failed & ~beat;
     end
   end
 
@@ -503,7 +501,7 @@ module raypath_unit_blocks (
       failed_23_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd23)) begin
       beat_23_q   <= beat_0_d;
-      failed_23_q <= failed & ~failed_0_t1;
+      failed_23_q <= failed & ~beat;
     end
   end
 
@@ -513,7 +511,7 @@ module raypath_unit_blocks (
       failed_24_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd24)) begin
       beat_24_q   <= beat_0_d;
-      failed_24_q <= failed & ~failed_0_t1;
+      failed_24_q <= failed & ~beat;
     end
   end
 
@@ -523,7 +521,7 @@ module raypath_unit_blocks (
       failed_25_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd25)) begin
       beat_25_q   <= beat_0_d;
-      failed_25_q <= failed & ~failed_0_t1;
+      failed_25_q <= failed & ~beat;
     end
   end
 
@@ -533,7 +531,7 @@ module raypath_unit_blocks (
       failed_26_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd26)) begin
       beat_26_q   <= beat_0_d;
-      failed_26_q <= failed & ~failed_0_t1;
+      failed_26_q <= failed & ~beat;
     end
   end
 
@@ -543,7 +541,7 @@ module raypath_unit_blocks (
       failed_27_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd27)) begin
       beat_27_q   <= beat_0_d;
-      failed_27_q <= failed & ~failed_0_t1;
+      failed_27_q <= failed & ~beat;
     end
   end
 
@@ -553,7 +551,7 @@ module raypath_unit_blocks (
       failed_28_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd28)) begin
       beat_28_q   <= beat_0_d;
-      failed_28_q <= failed & ~failed_0_t1;
+      failed_28_q <= failed & ~beat;
     end
   end
 
@@ -563,7 +561,7 @@ module raypath_unit_blocks (
       failed_29_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd29)) begin
       beat_29_q   <= beat_0_d;
-      failed_29_q <= failed & ~failed_0_t1;
+      failed_29_q <= failed & ~beat;
     end
   end
 
@@ -573,7 +571,7 @@ module raypath_unit_blocks (
       failed_30_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd30)) begin
       beat_30_q   <= beat_0_d;
-      failed_30_q <= failed & ~failed_0_t1;
+      failed_30_q <= failed & ~beat;
     end
   end
 
@@ -583,7 +581,7 @@ module raypath_unit_blocks (
       failed_31_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd31)) begin
       beat_31_q   <= beat_0_d;
-      failed_31_q <= failed & ~failed_0_t1;
+      failed_31_q <= failed & ~beat;
     end
   end
 
@@ -593,7 +591,7 @@ module raypath_unit_blocks (
       failed_32_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd32)) begin
       beat_32_q   <= beat_0_d;
-      failed_32_q <= failed & ~failed_0_t1;
+      failed_32_q <= failed & ~beat;
     end
   end
 
@@ -603,7 +601,7 @@ module raypath_unit_blocks (
       failed_33_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd33)) begin
       beat_33_q   <= beat_0_d;
-      failed_33_q <= failed & ~failed_0_t1;
+      failed_33_q <= failed & ~beat;
     end
   end
 
@@ -613,7 +611,7 @@ module raypath_unit_blocks (
       failed_34_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd34)) begin
       beat_34_q   <= beat_0_d;
-      failed_34_q <= failed & ~failed_0_t1;
+      failed_34_q <= failed & ~beat;
     end
   end
 
@@ -623,7 +621,7 @@ module raypath_unit_blocks (
       failed_35_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd35)) begin
       beat_35_q   <= beat_0_d;
-      failed_35_q <= failed & ~failed_0_t1;
+      failed_35_q <= failed & ~beat;
     end
   end
 
@@ -633,7 +631,7 @@ module raypath_unit_blocks (
       failed_36_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd36)) begin
       beat_36_q   <= beat_0_d;
-      failed_36_q <= failed & ~failed_0_t1;
+      failed_36_q <= failed & ~beat;
     end
   end
 
@@ -643,7 +641,7 @@ module raypath_unit_blocks (
       failed_37_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd37)) begin
       beat_37_q   <= beat_0_d;
-      failed_37_q <= failed & ~failed_0_t1;
+      failed_37_q <= failed & ~beat;
     end
   end
 
@@ -653,7 +651,7 @@ module raypath_unit_blocks (
       failed_38_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd38)) begin
       beat_38_q   <= beat_0_d;
-      failed_38_q <= failed & ~failed_0_t1;
+      failed_38_q <= failed & ~beat;
     end
   end
 
@@ -663,7 +661,7 @@ module raypath_unit_blocks (
       failed_39_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd39)) begin
       beat_39_q   <= beat_0_d;
-      failed_39_q <= failed & ~failed_0_t1;
+      failed_39_q <= failed & ~beat;
     end
   end
 
@@ -673,7 +671,7 @@ module raypath_unit_blocks (
       failed_40_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd40)) begin
       beat_40_q   <= beat_0_d;
-      failed_40_q <= failed & ~failed_0_t1;
+      failed_40_q <= failed & ~beat;
     end
   end
 
@@ -683,7 +681,7 @@ module raypath_unit_blocks (
       failed_41_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd41)) begin
       beat_41_q   <= beat_0_d;
-      failed_41_q <= failed & ~failed_0_t1;
+      failed_41_q <= failed & ~beat;
     end
   end
 
@@ -693,7 +691,7 @@ module raypath_unit_blocks (
       failed_42_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd42)) begin
       beat_42_q   <= beat_0_d;
-      failed_42_q <= failed & ~failed_0_t1;
+      failed_42_q <= failed & ~beat;
     end
   end
 
@@ -703,7 +701,7 @@ module raypath_unit_blocks (
       failed_43_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd43)) begin
       beat_43_q   <= beat_0_d;
-      failed_43_q <= failed & ~failed_0_t1;
+      failed_43_q <= failed & ~beat;
     end
   end
 
@@ -713,7 +711,7 @@ module raypath_unit_blocks (
       failed_44_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd44)) begin
       beat_44_q   <= beat_0_d;
-      failed_44_q <= failed & ~failed_0_t1;
+      failed_44_q <= failed & ~beat;
     end
   end
 
@@ -723,7 +721,7 @@ module raypath_unit_blocks (
       failed_45_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd45)) begin
       beat_45_q   <= beat_0_d;
-      failed_45_q <= failed & ~failed_0_t1;
+      failed_45_q <= failed & ~beat;
     end
   end
 
@@ -733,7 +731,7 @@ module raypath_unit_blocks (
       failed_46_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd46)) begin
       beat_46_q   <= beat_0_d;
-      failed_46_q <= failed & ~failed_0_t1;
+      failed_46_q <= failed & ~beat;
     end
   end
 
@@ -743,7 +741,7 @@ module raypath_unit_blocks (
       failed_47_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd47)) begin
       beat_47_q   <= beat_0_d;
-      failed_47_q <= failed & ~failed_0_t1;
+      failed_47_q <= failed & ~beat;
     end
   end
 
@@ -753,7 +751,7 @@ module raypath_unit_blocks (
       failed_48_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd48)) begin
       beat_48_q   <= beat_0_d;
-      failed_48_q <= failed & ~failed_0_t1;
+      failed_48_q <= failed & ~beat;
     end
   end
 
@@ -763,7 +761,7 @@ module raypath_unit_blocks (
       failed_49_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd49)) begin
       beat_49_q   <= beat_0_d;
-      failed_49_q <= failed & ~failed_0_t1;
+      failed_49_q <= failed & ~beat;
     end
   end
 
@@ -773,7 +771,7 @@ module raypath_unit_blocks (
       failed_50_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd50)) begin
       beat_50_q   <= beat_0_d;
-      failed_50_q <= failed & ~failed_0_t1;
+      failed_50_q <= failed & ~beat;
     end
   end
 
@@ -783,7 +781,7 @@ module raypath_unit_blocks (
       failed_51_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd51)) begin
       beat_51_q   <= beat_0_d;
-      failed_51_q <= failed & ~failed_0_t1;
+      failed_51_q <= failed & ~beat;
     end
   end
 
@@ -793,7 +791,7 @@ module raypath_unit_blocks (
       failed_52_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd52)) begin
       beat_52_q   <= beat_0_d;
-      failed_52_q <= failed & ~failed_0_t1;
+      failed_52_q <= failed & ~beat;
     end
   end
 
@@ -803,7 +801,7 @@ module raypath_unit_blocks (
       failed_53_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd53)) begin
       beat_53_q   <= beat_0_d;
-      failed_53_q <= failed & ~failed_0_t1;
+      failed_53_q <= failed & ~beat;
     end
   end
 
@@ -813,7 +811,7 @@ module raypath_unit_blocks (
       failed_54_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd54)) begin
       beat_54_q   <= beat_0_d;
-      failed_54_q <= failed & ~failed_0_t1;
+      failed_54_q <= failed & ~beat;
     end
   end
 
@@ -823,7 +821,7 @@ module raypath_unit_blocks (
       failed_55_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd55)) begin
       beat_55_q   <= beat_0_d;
-      failed_55_q <= failed & ~failed_0_t1;
+      failed_55_q <= failed & ~beat;
     end
   end
 
@@ -833,7 +831,7 @@ module raypath_unit_blocks (
       failed_56_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd56)) begin
       beat_56_q   <= beat_0_d;
-      failed_56_q <= failed & ~failed_0_t1;
+      failed_56_q <= failed & ~beat;
     end
   end
 
@@ -843,7 +841,7 @@ module raypath_unit_blocks (
       failed_57_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd57)) begin
       beat_57_q   <= beat_0_d;
-      failed_57_q <= failed & ~failed_0_t1;
+      failed_57_q <= failed & ~beat;
     end
   end
 
@@ -853,7 +851,7 @@ module raypath_unit_blocks (
       failed_58_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd58)) begin
       beat_58_q   <= beat_0_d;
-      failed_58_q <= failed & ~failed_0_t1;
+      failed_58_q <= failed & ~beat;
     end
   end
 
@@ -863,7 +861,7 @@ module raypath_unit_blocks (
       failed_59_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd59)) begin
       beat_59_q   <= beat_0_d;
-      failed_59_q <= failed & ~failed_0_t1;
+      failed_59_q <= failed & ~beat;
     end
   end
 
@@ -873,7 +871,7 @@ module raypath_unit_blocks (
       failed_60_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd60)) begin
       beat_60_q   <= beat_0_d;
-      failed_60_q <= failed & ~failed_0_t1;
+      failed_60_q <= failed & ~beat;
     end
   end
 
@@ -883,7 +881,7 @@ module raypath_unit_blocks (
       failed_61_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd61)) begin
       beat_61_q   <= beat_0_d;
-      failed_61_q <= failed & ~failed_0_t1;
+      failed_61_q <= failed & ~beat;
     end
   end
 
@@ -893,7 +891,7 @@ module raypath_unit_blocks (
       failed_62_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd62)) begin
       beat_62_q   <= beat_0_d;
-      failed_62_q <= failed & ~failed_0_t1;
+      failed_62_q <= failed & ~beat;
     end
   end
 
@@ -903,7 +901,7 @@ module raypath_unit_blocks (
       failed_63_q <= 1'b0;
     end else if (valid_i & (context_i == 6'd63)) begin
       beat_63_q   <= beat_0_d;
-      failed_63_q <= failed & ~failed_0_t1;
+      failed_63_q <= failed & ~beat;
     end
   end
 
@@ -944,7 +942,7 @@ module raypath_unit_blocks (
   logic [31:0] indices_1_word_30;
 
   raypath_ram_1r1w #(.Depth (64), .Width (512)) u_jobs_0 (
-    .clk_i, .write_enable_i (valid_i & (beat == 1'b0)), .write_address_i (context_i),
+    .clk_i, .write_enable_i (valid_i & ~beat), .write_address_i (context_i),
     .write_data_i ({data_i[31:0], data_i[63:32], data_i[95:64], data_i[127:96], data_i[159:128],
         data_i[191:160], data_i[223:192], data_i[255:224], data_i[287:256], data_i[319:288],
         data_i[351:320], data_i[383:352], data_i[415:384], data_i[447:416], data_i[479:448],
@@ -956,7 +954,7 @@ module raypath_unit_blocks (
   );
 
   raypath_ram_1r1w #(.Depth (64), .Width (352)) u_jobs_1 (
-    .clk_i, .write_enable_i (valid_i & (beat == 1'b1)), .write_address_i (context_i),
+    .clk_i, .write_enable_i (valid_i & beat), .write_address_i (context_i),
     .write_data_i ({data_i[31:0], data_i[63:32], data_i[95:64], data_i[127:96], data_i[159:128],
         data_i[191:160], data_i[223:192], data_i[255:224], data_i[287:256], data_i[319:288],
         data_i[351:320]}),
@@ -967,14 +965,14 @@ module raypath_unit_blocks (
   );
 
   raypath_ram_1r1w #(.Depth (64), .Width (128)) u_children_1 (
-    .clk_i, .write_enable_i (valid_i & (beat == 1'b1)), .write_address_i (context_i),
+    .clk_i, .write_enable_i (valid_i & beat), .write_address_i (context_i),
     .write_data_i ({data_i[287:256], data_i[319:288], data_i[351:320], data_i[383:352]}),
     .read_enable_i (child_read_i), .read_address_i (child_context_i),
     .read_data_o ({children_1_word_24, children_1_word_25, children_1_word_26, children_1_word_27})
   );
 
   raypath_ram_1r1w #(.Depth (64), .Width (96)) u_indices_1 (
-    .clk_i, .write_enable_i (valid_i & (beat == 1'b1)), .write_address_i (context_i),
+    .clk_i, .write_enable_i (valid_i & beat), .write_address_i (context_i),
     .write_data_i ({data_i[415:384], data_i[447:416], data_i[479:448]}),
     .read_enable_i (index_read_i), .read_address_i (index_context_i),
     .read_data_o ({indices_1_word_28, indices_1_word_29, indices_1_word_30})

@@ -17,8 +17,8 @@ module raypath_unit_distance (
   input  logic [31:0] t_num_i,
   input  logic [31:0] t_denom_i,
   input  logic [31:0] limits_t_min_i,
-  input  logic        limits_cull_back_i,
-  input  logic        limits_cull_front_i,
+  input  logic        limits_culls_clockwise_i,
+  input  logic        limits_culls_counter_clockwise_i,
   input  logic [31:0] index_0_i,
   input  logic [31:0] index_1_i,
   input  logic [31:0] index_2_i,
@@ -32,8 +32,8 @@ module raypath_unit_distance (
   output logic [31:0] closest_t_o,
   output logic [31:0] closest_t_num_o,
   output logic [31:0] closest_t_denom_o,
-  output logic        closest_back_face_o,
-  output logic [31:0] closest_triangle_o
+  output logic        closest_is_clockwise_o,
+  output logic [31:0] closest_primitive_o
 );
 
   // ---- The operands, and their division -------------------------------------
@@ -130,14 +130,13 @@ module raypath_unit_distance (
   logic [31:0] closest_t_q;
   logic [31:0] closest_t_num_q;
   logic [31:0] closest_t_denom_q;
-  logic        closest_back_face_q;
-  logic [31:0] closest_triangle_q;
+  logic        closest_is_clockwise_q;
+  logic [31:0] closest_primitive_q;
   logic        closest_is_hit_t1;
   logic        closest_is_hit_t2;
   logic        closest_is_hit_t3;
   logic        closest_is_hit_t4;
   logic        closest_is_hit_t5;
-  logic        closest_is_hit_t6;
   logic        closest_t_t2;
   logic        closest_t_t3;
   logic        closest_t_t4;
@@ -146,34 +145,33 @@ module raypath_unit_distance (
   logic [5:0]  context_q;
 
   assign closest_t_t1      = tag_q[4] ? index_2_i : (tag_q[3] ? index_1_i : index_0_i);
-  assign closest_is_hit_t1 = (31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < limits_t_min_i[30:0]);
-  assign closest_is_hit_t2 = (t_q == limits_t_min_i) | ((t_q[30:0] == 31'd0) & (limits_t_min_i[30:0]
+  assign closest_is_hit_t1 = (t_q == limits_t_min_i) | ((t_q[30:0] == 31'd0) & (limits_t_min_i[30:0]
       == 31'd0));
-  assign closest_is_hit_t3 = (t_q[31] ^ limits_t_min_i[31]) ? t_q[31] : (t_q[31] ?
+  assign closest_is_hit_t2 = (t_q[31] ^ limits_t_min_i[31]) ? t_q[31] : (t_q[31] ?
       limits_t_min_i[30:0] < t_q[30:0] : t_q[30:0] < limits_t_min_i[30:0]);
-  assign closest_is_hit_t4 = (~closest_is_hit_t1 & ~closest_is_hit_t2 & ~(closest_is_hit_t3 &
-      ~closest_is_hit_t2)) | (~closest_is_hit_t1 & closest_is_hit_t2);
-  assign closest_is_hit_t5 = tag_q[1] & ~(tag_q[0] ? limits_cull_back_i : limits_cull_front_i) &
-      closest_is_hit_t4;
-  assign closest_is_hit_t6 = (tag_q[4:3] != 2'd0) & closest_is_hit_q;
+  assign closest_is_hit_t3 = ~((31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < limits_t_min_i[30:0]))
+      & ~closest_is_hit_t1 & ~(closest_is_hit_t2 & ~closest_is_hit_t1);
+  assign closest_is_hit_t4 = tag_q[1] & ~(tag_q[0] ? limits_culls_clockwise_i :
+      limits_culls_counter_clockwise_i) & closest_is_hit_t3;
+  assign closest_is_hit_t5 = (tag_q[4:3] != 2'd0) & closest_is_hit_q;
   assign closest_t_t2      = (31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < closest_t_q[30:0]);
   assign closest_t_t3      = (t_q == closest_t_q) | ((t_q[30:0] == 31'd0) & (closest_t_q[30:0] ==
       31'd0));
   assign closest_t_t4      = ((t_q[31] ^ closest_t_q[31]) ? t_q[31] : (t_q[31] ? closest_t_q[30:0] <
       t_q[30:0] : t_q[30:0] < closest_t_q[30:0])) & ~closest_t_t3;
-  assign closest_t_t5      = ~closest_is_hit_t6 | (~closest_t_t2 & closest_t_t4) | (~closest_t_t2 &
-      closest_t_t3 & (closest_t_t1 < closest_triangle_q));
-  assign closest_t_t6      = closest_is_hit_t5 & closest_t_t5;
+  assign closest_t_t5      = ~closest_is_hit_t5 | (~closest_t_t2 & closest_t_t4) | (~closest_t_t2 &
+      closest_t_t3 & (closest_t_t1 < closest_primitive_q));
+  assign closest_t_t6      = closest_is_hit_t4 & closest_t_t5;
 
   always_ff @(posedge clk_i) begin
     if (folds) begin
-      closest_is_hit_q    <= closest_is_hit_t5 | closest_is_hit_t6;
-      closest_t_q         <= closest_t_t6 ? t_q : closest_t_q;
-      closest_t_num_q     <= closest_t_t6 ? fractions_t_num : closest_t_num_q;
-      closest_t_denom_q   <= closest_t_t6 ? fractions_t_denom : closest_t_denom_q;
-      closest_back_face_q <= closest_t_t6 ? tag_q[0] : closest_back_face_q;
-      closest_triangle_q  <= closest_t_t6 ? closest_t_t1 : closest_triangle_q;
-      context_q           <= tag_q[10:5];
+      closest_is_hit_q       <= closest_is_hit_t4 | closest_is_hit_t5;
+      closest_t_q            <= closest_t_t6 ? t_q : closest_t_q;
+      closest_t_num_q        <= closest_t_t6 ? fractions_t_num : closest_t_num_q;
+      closest_t_denom_q      <= closest_t_t6 ? fractions_t_denom : closest_t_denom_q;
+      closest_is_clockwise_q <= closest_t_t6 ? tag_q[0] : closest_is_clockwise_q;
+      closest_primitive_q    <= closest_t_t6 ? closest_t_t1 : closest_primitive_q;
+      context_q              <= tag_q[10:5];
     end
   end
 
@@ -186,16 +184,16 @@ module raypath_unit_distance (
   end
 
   // ---- Outputs --------------------------------------------------------------
-  assign ready_o             = ready;
-  assign read_o              = read;
-  assign read_context_o      = divider_tag[10:5];
-  assign valid_o             = is_complete_q;
-  assign context_o           = context_q;
-  assign closest_is_hit_o    = closest_is_hit_q;
-  assign closest_t_o         = closest_t_q;
-  assign closest_t_num_o     = closest_t_num_q;
-  assign closest_t_denom_o   = closest_t_denom_q;
-  assign closest_back_face_o = closest_back_face_q;
-  assign closest_triangle_o  = closest_triangle_q;
+  assign ready_o                = ready;
+  assign read_o                 = read;
+  assign read_context_o         = divider_tag[10:5];
+  assign valid_o                = is_complete_q;
+  assign context_o              = context_q;
+  assign closest_is_hit_o       = closest_is_hit_q;
+  assign closest_t_o            = closest_t_q;
+  assign closest_t_num_o        = closest_t_num_q;
+  assign closest_t_denom_o      = closest_t_denom_q;
+  assign closest_is_clockwise_o = closest_is_clockwise_q;
+  assign closest_primitive_o    = closest_primitive_q;
 
 endmodule : raypath_unit_distance

@@ -14,7 +14,7 @@ module raypath_unit_finish (
   input  logic [31:0] half_state_t_num_i,
   input  logic [31:0] half_state_t_denom_i,
   input  logic        half_state_back_face_i,
-  input  logic [31:0] half_state_triangle_i,
+  input  logic [31:0] half_state_primitive_i,
   input  logic [31:0] half_state_nodes_i,
   input  logic [31:0] half_state_triangles_i,
   input  logic [6:0]  half_state_level_i,
@@ -32,6 +32,7 @@ module raypath_unit_finish (
   input  logic        half_starts_i,
   input  logic        half_failed_i,
   input  logic        half_is_refused_i,
+  input  logic        half_cannot_enter_i,
   input  logic        half_descends_i,
   input  logic        half_is_lost_i,
   input  logic        half_leaf_continues_i,
@@ -64,7 +65,7 @@ module raypath_unit_finish (
   output logic [31:0] next_t_num_o,
   output logic [31:0] next_t_denom_o,
   output logic        next_back_face_o,
-  output logic [31:0] next_triangle_o,
+  output logic [31:0] next_primitive_o,
   output logic [31:0] next_nodes_o,
   output logic [31:0] next_triangles_o,
   output logic [6:0]  next_level_o,
@@ -91,7 +92,7 @@ module raypath_unit_finish (
   output logic [31:0] request_group_tmin_0_o,
   output logic [31:0] request_group_tmin_1_o,
   output logic [31:0] request_group_tmin_2_o,
-  output logic [1:0]  request_status_o
+  output logic [2:0]  request_status_o
 );
 
   logic        next_nodes_t1;
@@ -115,24 +116,21 @@ module raypath_unit_finish (
   logic [31:0] next_leaf_address_t1;
   logic        request_kind_t1;
   logic        request_kind_t2;
+  logic        request_kind_t3;
   logic        next_pending_low_t2;
   logic        next_pending_low_t3;
   logic        next_base_t1;
   logic        next_pending_low_t4;
   logic [31:0] next_pending_low_t5;
-  logic        next_pending_low_t6;
-  logic [31:0] next_pending_low_t7;
+  logic [31:0] next_pending_low_t6;
   logic [31:0] next_pending_high_t1;
-  logic        next_pending_low_t8;
+  logic        next_pending_low_t7;
   logic [31:0] next_place_low_low_t1;
-  logic        next_place_low_low_t2;
-  logic [31:0] next_place_low_low_t3;
+  logic [31:0] next_place_low_low_t2;
   logic [31:0] next_place_low_high_t1;
   logic [6:0]  next_base_t2;
-  logic [31:0] next_pending_low_t9;
-  logic        next_pending_low_t10;
-  logic        next_place_low_low_t4;
-  logic        next_place_high_low_t1;
+  logic [31:0] next_pending_low_t8;
+  logic [2:0]  request_status_t1;
 
   assign next_any_hit_o          = half_state_any_hit_i;
   assign next_root_o             = half_state_root_i;
@@ -141,7 +139,7 @@ module raypath_unit_finish (
   assign next_t_num_o            = half_state_t_num_i;
   assign next_t_denom_o          = half_state_t_denom_i;
   assign next_back_face_o        = half_state_back_face_i;
-  assign next_triangle_o         = half_state_triangle_i;
+  assign next_primitive_o        = half_state_primitive_i;
   assign next_nodes_t1           = (31'h7f80_0000 < top_tmin_0_i[30:0]) | (31'h7f80_0000 <
       half_state_extent_i[30:0]);
   assign next_nodes_t2           = (top_tmin_0_i == half_state_extent_i) | ((top_tmin_0_i[30:0] ==
@@ -175,36 +173,32 @@ module raypath_unit_finish (
   assign next_pending_low_t3     = half_descends_i | next_nodes_t6;
   assign next_pending_low_t4     = next_pending_low_t3 | next_pending_low_t1;
   assign next_pending_low_t5     = 32'd1 << half_parent_i[4:0];
-  assign next_pending_low_t6     = half_parent_i[5] == 1'b1;
-  assign next_pending_low_t7     = (next_pending_low_t4 & ~next_pending_low_t6) ?
-      next_pending_low_t5 : 32'd0;
-  assign next_pending_low_t8     = next_pending_low_t2 & ~next_pending_low_t1;
-  assign next_pending_low_t9     = (32'd1 << half_state_level_i[4:0]) + 32'hffff_ffff;
-  assign next_pending_low_t10    = half_state_level_i[5] == 1'b1;
-  assign next_pending_low_o      = half_is_lost_i ? (next_pending_low_t10 ? half_state_pending_low_i
-      : half_state_pending_low_i & next_pending_low_t9) : (half_state_pending_low_i &
-      ~next_pending_low_t7) | (next_pending_low_t8 ? next_pending_low_t7 : 32'd0);
-  assign next_pending_high_t1    = (next_pending_low_t4 & next_pending_low_t6) ? next_pending_low_t5
-      : 32'd0;
-  assign next_pending_high_o     = half_is_lost_i ? (next_pending_low_t10 ?
-      half_state_pending_high_i & next_pending_low_t9 : 32'd0) : (half_state_pending_high_i &
-      ~next_pending_high_t1) | (next_pending_low_t8 ? next_pending_high_t1 : 32'd0);
+  assign next_pending_low_t6     = (next_pending_low_t4 & ~half_parent_i[5]) ? next_pending_low_t5 :
+      32'd0;
+  assign next_pending_low_t7     = next_pending_low_t2 & ~next_pending_low_t1;
+  assign next_pending_low_t8     = (32'd1 << half_state_level_i[4:0]) + 32'hffff_ffff;
+  assign next_pending_low_o      = half_is_lost_i ? (half_state_level_i[5] ?
+      half_state_pending_low_i : half_state_pending_low_i & next_pending_low_t8) :
+      (half_state_pending_low_i & ~next_pending_low_t6) | (next_pending_low_t7 ? next_pending_low_t6
+      : 32'd0);
+  assign next_pending_high_t1    = (next_pending_low_t4 & half_parent_i[5]) ? next_pending_low_t5 :
+      32'd0;
+  assign next_pending_high_o     = half_is_lost_i ? (half_state_level_i[5] ?
+      half_state_pending_high_i & next_pending_low_t8 : 32'd0) : (half_state_pending_high_i &
+      ~next_pending_high_t1) | (next_pending_low_t7 ? next_pending_high_t1 : 32'd0);
   assign next_place_low_low_t1   = 32'd1 << half_parent_i[4:0];
-  assign next_place_low_low_t2   = half_parent_i[5] == 1'b1;
-  assign next_place_low_low_t3   = (next_pending_low_t3 & ~next_place_low_low_t2) ?
-      next_place_low_low_t1 : 32'd0;
-  assign next_place_low_low_t4   = half_place_i[0] == 1'b1;
-  assign next_place_low_low_o    = (half_state_place_low_low_i & ~next_place_low_low_t3) |
-      (next_place_low_low_t4 ? next_place_low_low_t3 : 32'd0);
-  assign next_place_low_high_t1  = (next_pending_low_t3 & next_place_low_low_t2) ?
-      next_place_low_low_t1 : 32'd0;
+  assign next_place_low_low_t2   = (next_pending_low_t3 & ~half_parent_i[5]) ? next_place_low_low_t1
+      : 32'd0;
+  assign next_place_low_low_o    = (half_state_place_low_low_i & ~next_place_low_low_t2) |
+      (half_place_i[0] ? next_place_low_low_t2 : 32'd0);
+  assign next_place_low_high_t1  = (next_pending_low_t3 & half_parent_i[5]) ? next_place_low_low_t1
+      : 32'd0;
   assign next_place_low_high_o   = (half_state_place_low_high_i & ~next_place_low_high_t1) |
-      (next_place_low_low_t4 ? next_place_low_high_t1 : 32'd0);
-  assign next_place_high_low_t1  = half_place_i[1] == 1'b1;
-  assign next_place_high_low_o   = (half_state_place_high_low_i & ~next_place_low_low_t3) |
-      (next_place_high_low_t1 ? next_place_low_low_t3 : 32'd0);
+      (half_place_i[0] ? next_place_low_high_t1 : 32'd0);
+  assign next_place_high_low_o   = (half_state_place_high_low_i & ~next_place_low_low_t2) |
+      (half_place_i[1] ? next_place_low_low_t2 : 32'd0);
   assign next_place_high_high_o  = (half_state_place_high_high_i & ~next_place_low_high_t1) |
-      (next_place_high_low_t1 ? next_place_low_high_t1 : 32'd0);
+      (half_place_i[1] ? next_place_low_high_t1 : 32'd0);
   assign next_base_t1            = next_pending_low_t3 & next_pending_low_t2;
   assign next_base_t2            = (half_parent_i < 7'd8) ? 7'd0 : half_parent_i + 7'd121;
   assign next_base_o             = next_nodes_t7 ? 7'd0 : ((next_base_t1 & (half_state_base_i <
@@ -217,11 +211,11 @@ module raypath_unit_finish (
       half_state_leaf_address_i;
   assign next_leaf_left_o        = next_triangles_t2 ? next_triangles_t3 + ~{2'd0,
       next_triangles_t4} + 4'd1 : half_state_leaf_left_i;
-  assign request_kind_t1         = (next_nodes_t9 | half_leaf_continues_i) & ~((half_state_nodes_i <
+  assign request_kind_t1         = (next_nodes_t13 | next_triangles_t2) & ~((half_state_nodes_i <
       32'h0100_0000) & (half_state_triangles_i < 32'h0100_0000));
-  assign request_kind_t2         = half_failed_i | (next_nodes_t9 & ~next_nodes_t12 &
-      ~next_triangles_t1) | request_kind_t1;
-  assign request_kind_o          = (request_kind_t2 | half_ends_by_any_hit_i | (half_pops_i &
+  assign request_kind_t2         = next_nodes_t9 & ~next_nodes_t12 & ~next_triangles_t1;
+  assign request_kind_t3         = half_failed_i | request_kind_t2 | request_kind_t1;
+  assign request_kind_o          = (request_kind_t3 | half_ends_by_any_hit_i | (half_pops_i &
       half_is_empty_i)) ? 2'd2 : ((next_pending_low_t1 | half_is_lost_i) ? 2'd1 : 2'd0);
   assign request_address_o       = next_leaf_address_t1;
   assign request_count_o         = next_nodes_t13 ? 2'd0 : next_triangles_t4;
@@ -235,7 +229,9 @@ module raypath_unit_finish (
   assign request_group_tmin_0_o  = half_descends_i ? half_rest_tmin_0_i : top_tmin_1_i;
   assign request_group_tmin_1_o  = half_descends_i ? half_rest_tmin_1_i : top_tmin_2_i;
   assign request_group_tmin_2_o  = half_descends_i ? half_rest_tmin_2_i : top_tmin_2_i;
-  assign request_status_o        = request_kind_t2 ? (half_is_refused_i ? 2'd2 : 2'd3) :
-      (half_state_has_hit_i ? 2'd1 : 2'd0);
+  assign request_status_t1       = half_is_refused_i ? 3'd3 : ((half_failed_i &
+      ~half_cannot_enter_i) ? 3'd4 : ((request_kind_t2 | half_cannot_enter_i) ? 3'd5 : 3'd6));
+  assign request_status_o        = request_kind_t3 ? request_status_t1 : (half_state_has_hit_i ?
+      3'd1 : 3'd0);
 
 endmodule : raypath_unit_finish

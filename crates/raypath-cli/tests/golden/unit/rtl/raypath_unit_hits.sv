@@ -10,10 +10,10 @@ module raypath_unit_hits (
   input  logic        rst_ni,
   input  logic        ends_i,
   input  logic [5:0]  context_i,
-  input  logic [1:0]  status_i,
+  input  logic [2:0]  status_i,
   input  logic        ready_i,
   input  logic [31:0] next_extent_i,
-  input  logic [31:0] next_triangle_i,
+  input  logic [31:0] next_primitive_i,
   input  logic [31:0] next_t_num_i,
   input  logic [31:0] next_t_denom_i,
   input  logic        next_back_face_i,
@@ -22,9 +22,9 @@ module raypath_unit_hits (
   output logic        release_o,
   output logic [5:0]  context_o,
   output logic        valid_o,
-  output logic [1:0]  status_o,
+  output logic [2:0]  status_o,
   output logic [31:0] t_o,
-  output logic [31:0] triangle_o,
+  output logic [31:0] primitive_o,
   output logic [31:0] t_num_o,
   output logic [31:0] t_denom_o,
   output logic        back_face_o,
@@ -37,16 +37,16 @@ module raypath_unit_hits (
   logic        takes;
   logic        ended_valid;
   logic [5:0]  ended_context;
-  logic [1:0]  hits_status;
+  logic [2:0]  hits_status;
   logic [31:0] hits_t;
-  logic [31:0] hits_triangle;
+  logic [31:0] hits_primitive;
   logic [31:0] hits_t_num;
   logic [31:0] hits_t_denom;
   logic        hits_back_face;
   logic [31:0] hits_nodes;
   logic [31:0] hits_triangles;
 
-  assign is_hit = status_i == 2'd1;
+  assign is_hit = status_i == 3'd1;
   assign takes  = ended_valid & (~valid_q | ready_i);
 
   raypath_unit_ended u_ended (
@@ -54,13 +54,13 @@ module raypath_unit_hits (
     .context_o (ended_context)
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (195)) u_hits (
+  raypath_ram_1r1w #(.Depth (64), .Width (196)) u_hits (
     .clk_i, .write_enable_i (ends_i), .write_address_i (context_i),
-    .write_data_i ({status_i, next_extent_i & {32{is_hit}}, next_triangle_i & {32{is_hit}},
+    .write_data_i ({status_i, next_extent_i & {32{is_hit}}, next_primitive_i & {32{is_hit}},
         next_t_num_i & {32{is_hit}}, next_t_denom_i & {32{is_hit}}, next_back_face_i & is_hit,
         next_nodes_i, next_triangles_i}),
     .read_enable_i (takes), .read_address_i (ended_context),
-    .read_data_o ({hits_status, hits_t, hits_triangle, hits_t_num, hits_t_denom, hits_back_face,
+    .read_data_o ({hits_status, hits_t, hits_primitive, hits_t_num, hits_t_denom, hits_back_face,
         hits_nodes, hits_triangles})
   );
 
@@ -77,7 +77,7 @@ module raypath_unit_hits (
   assign valid_o     = valid_q;
   assign status_o    = hits_status;
   assign t_o         = hits_t;
-  assign triangle_o  = hits_triangle;
+  assign primitive_o = hits_primitive;
   assign t_num_o     = hits_t_num;
   assign t_denom_o   = hits_t_denom;
   assign back_face_o = hits_back_face;

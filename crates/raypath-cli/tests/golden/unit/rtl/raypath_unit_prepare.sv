@@ -13,7 +13,7 @@ module raypath_unit_prepare (
   input  logic [31:0] state_t_num_i,
   input  logic [31:0] state_t_denom_i,
   input  logic        state_back_face_i,
-  input  logic [31:0] state_triangle_i,
+  input  logic [31:0] state_primitive_i,
   input  logic [31:0] state_nodes_i,
   input  logic [31:0] state_triangles_i,
   input  logic [6:0]  state_level_i,
@@ -45,8 +45,8 @@ module raypath_unit_prepare (
   input  logic [31:0] answer_closest_t_i,
   input  logic [31:0] answer_closest_t_num_i,
   input  logic [31:0] answer_closest_t_denom_i,
-  input  logic        answer_closest_back_face_i,
-  input  logic [31:0] answer_closest_triangle_i,
+  input  logic        answer_closest_is_clockwise_i,
+  input  logic [31:0] answer_closest_primitive_i,
   output logic        half_state_any_hit_o,
   output logic [31:0] half_state_root_o,
   output logic [31:0] half_state_extent_o,
@@ -54,7 +54,7 @@ module raypath_unit_prepare (
   output logic [31:0] half_state_t_num_o,
   output logic [31:0] half_state_t_denom_o,
   output logic        half_state_back_face_o,
-  output logic [31:0] half_state_triangle_o,
+  output logic [31:0] half_state_primitive_o,
   output logic [31:0] half_state_nodes_o,
   output logic [31:0] half_state_triangles_o,
   output logic [6:0]  half_state_level_o,
@@ -72,6 +72,7 @@ module raypath_unit_prepare (
   output logic        half_starts_o,
   output logic        half_failed_o,
   output logic        half_is_refused_o,
+  output logic        half_cannot_enter_o,
   output logic        half_descends_o,
   output logic        half_is_lost_o,
   output logic        half_leaf_continues_o,
@@ -108,24 +109,15 @@ module raypath_unit_prepare (
   logic       half_state_restarting_t4;
   logic [2:0] half_state_restarting_t5;
   logic [2:0] half_state_restarting_t6;
-  logic       half_rest_present_t1;
-  logic       half_rest_present_t2;
   logic       half_state_restarting_t7;
   logic       half_state_restarting_t8;
+  logic [1:0] half_child_t1;
+  logic       half_rest_present_t1;
+  logic       half_rest_present_t2;
+  logic [1:0] half_rest_child_0_t1;
+  logic [1:0] half_rest_child_1_t1;
   logic       half_state_restarting_t9;
   logic       half_state_restarting_t10;
-  logic       half_child_t1;
-  logic [1:0] half_child_t2;
-  logic       half_child_t3;
-  logic       half_rest_present_t3;
-  logic       half_rest_present_t4;
-  logic [1:0] half_rest_child_0_t1;
-  logic       half_rest_child_0_t2;
-  logic [1:0] half_rest_child_1_t1;
-  logic       half_rest_child_1_t2;
-  logic       half_rest_child_2_t1;
-  logic       half_state_restarting_t11;
-  logic       half_state_restarting_t12;
   logic       half_is_on_stack_t1;
   logic [4:0] half_is_on_stack_t2;
   logic [4:0] half_is_on_stack_t3;
@@ -163,7 +155,7 @@ module raypath_unit_prepare (
   assign half_state_extent_t5         = ~half_state_extent_t2 & ((answer_closest_t_i[31] ^
       state_extent_i[31]) ? answer_closest_t_i[31] : half_state_extent_t4) & ~half_state_extent_t3;
   assign half_state_extent_t6         = half_state_extent_t5 | (~half_state_extent_t2 &
-      half_state_extent_t3 & (~state_has_hit_i | (answer_closest_triangle_i < state_triangle_i)));
+      half_state_extent_t3 & state_has_hit_i & (answer_closest_primitive_i < state_primitive_i));
   assign half_state_extent_t7         = half_state_extent_t1 & answer_closest_is_hit_i &
       half_state_extent_t6;
   assign half_state_extent_o          = half_state_extent_t7 ? answer_closest_t_i : state_extent_i;
@@ -173,10 +165,10 @@ module raypath_unit_prepare (
       state_t_num_i;
   assign half_state_t_denom_o         = half_state_extent_t7 ? answer_closest_t_denom_i :
       state_t_denom_i;
-  assign half_state_back_face_o       = half_state_extent_t7 ? answer_closest_back_face_i :
+  assign half_state_back_face_o       = half_state_extent_t7 ? answer_closest_is_clockwise_i :
       state_back_face_i;
-  assign half_state_triangle_o        = half_state_extent_t7 ? answer_closest_triangle_i :
-      state_triangle_i;
+  assign half_state_primitive_o       = half_state_extent_t7 ? answer_closest_primitive_i :
+      state_primitive_i;
   assign half_state_nodes_o           = state_nodes_i;
   assign half_state_triangles_o       = state_triangles_i;
   assign half_state_level_o           = state_level_i;
@@ -189,24 +181,22 @@ module raypath_unit_prepare (
   assign half_state_base_o            = state_base_i;
   assign half_state_restarting_t1     = answer_kind_i == 3'd1;
   assign half_state_restarting_t2     = state_level_i == state_target_i;
-  assign half_state_restarting_t3     = (state_level_i[5] == 1'b1) ? |(state_place_high_high_i &
-      (32'd1 << state_level_i[4:0])) : |(state_place_high_low_i & (32'd1 << state_level_i[4:0]));
-  assign half_state_restarting_t4     = (state_level_i[5] == 1'b1) ? |(state_place_low_high_i &
-      (32'd1 << state_level_i[4:0])) : |(state_place_low_low_i & (32'd1 << state_level_i[4:0]));
+  assign half_state_restarting_t3     = state_level_i[5] ? |(state_place_high_high_i & (32'd1 <<
+      state_level_i[4:0])) : |(state_place_high_low_i & (32'd1 << state_level_i[4:0]));
+  assign half_state_restarting_t4     = state_level_i[5] ? |(state_place_low_high_i & (32'd1 <<
+      state_level_i[4:0])) : |(state_place_low_low_i & (32'd1 << state_level_i[4:0]));
   assign half_state_restarting_t5     = {1'b0, half_state_restarting_t3, half_state_restarting_t4};
   assign half_state_restarting_t6     = state_restarting_i ? (half_state_restarting_t2 ?
       half_state_restarting_t5 + 3'd1 : half_state_restarting_t5) : 3'd0;
-  assign half_state_restarting_t7     = half_state_restarting_t6[2] == 1'b1;
-  assign half_state_restarting_t8     = half_state_restarting_t6[0] == 1'b1;
-  assign half_state_restarting_t9     = (half_state_restarting_t6[1] == 1'b1) ?
-      (half_state_restarting_t8 ? answer_hit_i[3] : answer_hit_i[2]) : (half_state_restarting_t8 ?
-      answer_hit_i[1] : answer_hit_i[0]);
-  assign half_state_restarting_t10    = ~half_state_restarting_t7 & half_state_restarting_t9;
-  assign half_state_restarting_t11    = half_state_restarting_t1 & half_state_restarting_t10;
-  assign half_state_restarting_t12    = half_state_restarting_t1 & ~half_state_restarting_t10 &
+  assign half_state_restarting_t7     = half_state_restarting_t6[1] ? (half_state_restarting_t6[0] ?
+      answer_hit_i[3] : answer_hit_i[2]) : (half_state_restarting_t6[0] ? answer_hit_i[1] :
+      answer_hit_i[0]);
+  assign half_state_restarting_t8     = ~half_state_restarting_t6[2] & half_state_restarting_t7;
+  assign half_state_restarting_t9     = half_state_restarting_t1 & half_state_restarting_t8;
+  assign half_state_restarting_t10    = half_state_restarting_t1 & ~half_state_restarting_t8 &
       state_restarting_i;
-  assign half_state_restarting_o      = state_restarting_i & ~half_state_restarting_t12 &
-      ~(half_state_restarting_t11 & half_state_restarting_t2);
+  assign half_state_restarting_o      = state_restarting_i & ~half_state_restarting_t10 &
+      ~(half_state_restarting_t9 & half_state_restarting_t2);
   assign half_state_target_o          = state_target_i;
   assign half_state_leaf_address_o    = state_leaf_address_i;
   assign half_state_leaf_left_o       = state_leaf_left_i;
@@ -214,8 +204,9 @@ module raypath_unit_prepare (
   assign half_failed_t1               = answer_kind_i == 3'd5;
   assign half_failed_o                = (answer_kind_i == 3'd4) | half_failed_t1;
   assign half_is_refused_o            = half_failed_t1;
-  assign half_descends_o              = half_state_restarting_t11;
-  assign half_is_lost_o               = half_state_restarting_t12;
+  assign half_cannot_enter_o          = 1'b0;
+  assign half_descends_o              = half_state_restarting_t9;
+  assign half_is_lost_o               = half_state_restarting_t10;
   assign half_leaf_continues_t1       = half_state_extent_t1 & state_any_hit_i &
       half_state_has_hit_t1;
   assign half_leaf_continues_o        = half_state_extent_t1 & ~half_leaf_continues_t1 &
@@ -223,7 +214,7 @@ module raypath_unit_prepare (
   assign half_ends_by_any_hit_o       = half_leaf_continues_t1;
   assign half_pops_o                  = (half_state_extent_t1 & ~half_leaf_continues_t1 &
       (state_leaf_left_i == 4'd0)) | (answer_kind_i == 3'd3) | (half_state_restarting_t1 &
-      ~half_state_restarting_t10 & ~state_restarting_i);
+      ~half_state_restarting_t8 & ~state_restarting_i);
   assign half_is_empty_o              = (state_pending_low_i == 32'd0) & (state_pending_high_i ==
       32'd0);
   assign half_is_on_stack_t1          = state_pending_high_i == 32'd0;
@@ -271,52 +262,45 @@ module raypath_unit_prepare (
   assign half_is_on_stack_t22         = {1'b0, ~half_is_on_stack_t1, half_is_on_stack_t21};
   assign half_is_on_stack_o           = ~(half_is_on_stack_t22 < state_base_i);
   assign half_deepest_o               = half_is_on_stack_t22;
-  assign half_parent_o                = half_state_restarting_t11 ? state_level_i :
+  assign half_parent_o                = half_state_restarting_t9 ? state_level_i :
       half_is_on_stack_t22;
-  assign half_place_t1                = (half_is_on_stack_t22[5] == 1'b1) ?
-      |(state_place_high_high_i & (32'd1 << half_is_on_stack_t22[4:0])) : |(state_place_high_low_i &
-      (32'd1 << half_is_on_stack_t22[4:0]));
-  assign half_place_t2                = (half_is_on_stack_t22[5] == 1'b1) ? |(state_place_low_high_i
-      & (32'd1 << half_is_on_stack_t22[4:0])) : |(state_place_low_low_i & (32'd1 <<
+  assign half_place_t1                = half_is_on_stack_t22[5] ? |(state_place_high_high_i & (32'd1
+      << half_is_on_stack_t22[4:0])) : |(state_place_high_low_i & (32'd1 <<
       half_is_on_stack_t22[4:0]));
-  assign half_place_o                 = half_state_restarting_t11 ? half_state_restarting_t6[1:0] :
+  assign half_place_t2                = half_is_on_stack_t22[5] ? |(state_place_low_high_i & (32'd1
+      << half_is_on_stack_t22[4:0])) : |(state_place_low_low_i & (32'd1 <<
+      half_is_on_stack_t22[4:0]));
+  assign half_place_o                 = half_state_restarting_t9 ? half_state_restarting_t6[1:0] :
       {half_place_t1, half_place_t2} + 2'd1;
-  assign half_child_t1                = half_state_restarting_t6[0] == 1'b1;
-  assign half_child_t2                = (half_state_restarting_t6[1] == 1'b1) ? (half_child_t1 ?
-      answer_box_index_3_i : answer_box_index_2_i) : (half_child_t1 ? answer_box_index_1_i :
-      answer_box_index_0_i);
-  assign half_child_t3                = half_child_t2[0] == 1'b1;
-  assign half_child_o                 = (half_child_t2[1] == 1'b1) ? (half_child_t3 ?
-      answer_child_3_i : answer_child_2_i) : (half_child_t3 ? answer_child_1_i : answer_child_0_i);
-  assign half_rest_present_t1         = half_state_restarting_t6[0] == 1'b1;
-  assign half_rest_present_t2         = half_state_restarting_t6[1] == 1'b1;
-  assign half_rest_present_t3         = half_state_restarting_t6[0] == 1'b1;
-  assign half_rest_present_t4         = (half_state_restarting_t6[1] == 1'b1) ?
-      ~half_rest_present_t3 & answer_hit_i[3] : (half_rest_present_t3 ? answer_hit_i[2] :
-      answer_hit_i[1]);
-  assign half_rest_present_o          = {~half_state_restarting_t7 & ~half_rest_present_t2 &
-      ~half_rest_present_t1 & answer_hit_i[3], ~half_state_restarting_t7 & ~half_rest_present_t2 &
-      (half_rest_present_t1 ? answer_hit_i[3] : answer_hit_i[2]), ~half_state_restarting_t7 &
-      half_rest_present_t4};
-  assign half_rest_child_0_t1         = half_rest_present_t2 ? answer_box_index_3_i :
-      (half_rest_present_t1 ? answer_box_index_2_i : answer_box_index_1_i);
-  assign half_rest_child_0_t2         = half_rest_child_0_t1[0] == 1'b1;
-  assign half_rest_child_0_o          = (half_rest_child_0_t1[1] == 1'b1) ? (half_rest_child_0_t2 ?
-      answer_child_3_i : answer_child_2_i) : (half_rest_child_0_t2 ? answer_child_1_i :
+  assign half_child_t1                = half_state_restarting_t6[1] ? (half_state_restarting_t6[0] ?
+      answer_box_index_3_i : answer_box_index_2_i) : (half_state_restarting_t6[0] ?
+      answer_box_index_1_i : answer_box_index_0_i);
+  assign half_child_o                 = half_child_t1[1] ? (half_child_t1[0] ? answer_child_3_i :
+      answer_child_2_i) : (half_child_t1[0] ? answer_child_1_i : answer_child_0_i);
+  assign half_rest_present_t1         = half_state_restarting_t6[1] ? ~half_state_restarting_t6[0] &
+      answer_hit_i[3] : (half_state_restarting_t6[0] ? answer_hit_i[2] : answer_hit_i[1]);
+  assign half_rest_present_t2         = ~half_state_restarting_t6[2] & ~half_state_restarting_t6[1]
+      & (half_state_restarting_t6[0] ? answer_hit_i[3] : answer_hit_i[2]);
+  assign half_rest_present_o          = {~half_state_restarting_t6[2] & ~half_state_restarting_t6[1]
+      & ~half_state_restarting_t6[0] & answer_hit_i[3], half_rest_present_t2,
+      ~half_state_restarting_t6[2] & half_rest_present_t1};
+  assign half_rest_child_0_t1         = half_state_restarting_t6[1] ? answer_box_index_3_i :
+      (half_state_restarting_t6[0] ? answer_box_index_2_i : answer_box_index_1_i);
+  assign half_rest_child_0_o          = half_rest_child_0_t1[1] ? (half_rest_child_0_t1[0] ?
+      answer_child_3_i : answer_child_2_i) : (half_rest_child_0_t1[0] ? answer_child_1_i :
       answer_child_0_i);
-  assign half_rest_child_1_t1         = half_rest_present_t1 ? answer_box_index_3_i :
+  assign half_rest_child_1_t1         = half_state_restarting_t6[0] ? answer_box_index_3_i :
       answer_box_index_2_i;
-  assign half_rest_child_1_t2         = half_rest_child_1_t1[0] == 1'b1;
-  assign half_rest_child_1_o          = (half_rest_child_1_t1[1] == 1'b1) ? (half_rest_child_1_t2 ?
-      answer_child_3_i : answer_child_2_i) : (half_rest_child_1_t2 ? answer_child_1_i :
+  assign half_rest_child_1_o          = half_rest_child_1_t1[1] ? (half_rest_child_1_t1[0] ?
+      answer_child_3_i : answer_child_2_i) : (half_rest_child_1_t1[0] ? answer_child_1_i :
       answer_child_0_i);
-  assign half_rest_child_2_t1         = answer_box_index_3_i[0] == 1'b1;
-  assign half_rest_child_2_o          = (answer_box_index_3_i[1] == 1'b1) ? (half_rest_child_2_t1 ?
-      answer_child_3_i : answer_child_2_i) : (half_rest_child_2_t1 ? answer_child_1_i :
+  assign half_rest_child_2_o          = answer_box_index_3_i[1] ? (answer_box_index_3_i[0] ?
+      answer_child_3_i : answer_child_2_i) : (answer_box_index_3_i[0] ? answer_child_1_i :
       answer_child_0_i);
-  assign half_rest_tmin_0_o           = half_rest_present_t2 ? answer_tmin_2_i :
-      (half_rest_present_t1 ? answer_tmin_1_i : answer_tmin_0_i);
-  assign half_rest_tmin_1_o           = half_rest_present_t1 ? answer_tmin_2_i : answer_tmin_1_i;
+  assign half_rest_tmin_0_o           = half_state_restarting_t6[1] ? answer_tmin_2_i :
+      (half_state_restarting_t6[0] ? answer_tmin_1_i : answer_tmin_0_i);
+  assign half_rest_tmin_1_o           = half_state_restarting_t6[0] ? answer_tmin_2_i :
+      answer_tmin_1_i;
   assign half_rest_tmin_2_o           = answer_tmin_2_i;
 
 endmodule : raypath_unit_prepare

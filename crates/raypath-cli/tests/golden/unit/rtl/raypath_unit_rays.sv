@@ -18,8 +18,7 @@ module raypath_unit_rays (
   input  logic [31:0] entry_t_min_i,
   input  logic [31:0] entry_t_max_i,
   input  logic [15:0] id_i,
-  input  logic        any_hit_i,
-  input  logic [1:0]  cull_i,
+  input  logic [9:0]  flags_i,
   input  logic [31:0] root_i,
   input  logic        start_taken_i,
   input  logic        release_i,
@@ -36,8 +35,8 @@ module raypath_unit_rays (
   output logic        start_is_refused_o,
   output logic [15:0] id_o,
   output logic [31:0] limits_t_min_o,
-  output logic        limits_cull_back_o,
-  output logic        limits_cull_front_o,
+  output logic        limits_culls_clockwise_o,
+  output logic        limits_culls_counter_clockwise_o,
   output logic [31:0] job_origin_x_o,
   output logic [31:0] job_origin_y_o,
   output logic [31:0] job_origin_z_o,
@@ -59,6 +58,8 @@ module raypath_unit_rays (
   logic        enters;
   logic        contexts_valid;
   logic [5:0]  contexts_context;
+  logic        is_meaningless_t1;
+  logic        is_meaningless;
   logic        set_up_ready;
   logic        set_up_valid;
   logic [5:0]  set_up_context;
@@ -73,34 +74,42 @@ module raypath_unit_rays (
   logic [1:0]  set_up_ky;
   logic [1:0]  set_up_kz;
   logic        ready;
+  logic        unused_flag;
 
-  assign enters = valid_i & ready;
+  assign unused_flag = flags_i[3];
+  assign enters      = valid_i & ready;
 
   raypath_unit_contexts u_contexts (
     .clk_i, .rst_ni, .take_i (enters), .release_i, .released_i (hit_context_i),
     .valid_o (contexts_valid), .context_o (contexts_context)
   );
 
+  assign is_meaningless_t1 = (flags_i[0] & flags_i[1]) | (flags_i[6] & flags_i[7]) | ((flags_i[0] |
+      flags_i[1]) & (flags_i[6] | flags_i[7])) | (flags_i[4] & flags_i[5]) | (flags_i[4] &
+      flags_i[8]) | (flags_i[5] & flags_i[8]);
+  assign is_meaningless    = is_meaningless_t1 | (flags_i[8] & flags_i[9]);
+
   raypath_unit_set_up u_set_up (
     .clk_i, .rst_ni, .valid_i (valid_i & contexts_valid), .entry_origin_x_i, .entry_origin_y_i,
     .entry_origin_z_i, .entry_dir_x_i, .entry_dir_y_i, .entry_dir_z_i, .entry_t_min_i,
-    .entry_t_max_i, .context_i (contexts_context), .ready_o (set_up_ready), .valid_o (set_up_valid),
-    .context_o (set_up_context), .is_refused_o (set_up_is_refused), .inv_x_o (set_up_inv_x),
-    .inv_y_o (set_up_inv_y), .inv_z_o (set_up_inv_z), .shear_x_o (set_up_shear_x),
-    .shear_y_o (set_up_shear_y), .shear_z_o (set_up_shear_z), .kx_o (set_up_kx), .ky_o (set_up_ky),
-    .kz_o (set_up_kz)
+    .entry_t_max_i, .is_meaningless_i (is_meaningless), .context_i (contexts_context),
+    .ready_o (set_up_ready), .valid_o (set_up_valid), .context_o (set_up_context),
+    .is_refused_o (set_up_is_refused), .inv_x_o (set_up_inv_x), .inv_y_o (set_up_inv_y),
+    .inv_z_o (set_up_inv_z), .shear_x_o (set_up_shear_x), .shear_y_o (set_up_shear_y),
+    .shear_z_o (set_up_shear_z), .kx_o (set_up_kx), .ky_o (set_up_ky), .kz_o (set_up_kz)
   );
 
   assign ready = set_up_ready & contexts_valid;
 
   // ---- What is kept of it, by reader ----------------------------------------
+  logic        limits_t1;
   logic [15:0] ids_id;
   logic [31:0] origins_origin_x;
   logic [31:0] origins_origin_y;
   logic [31:0] origins_origin_z;
   logic [31:0] limits_limits_t_min;
-  logic        limits_limits_cull_back;
-  logic        limits_limits_cull_front;
+  logic        limits_limits_culls_clockwise;
+  logic        limits_limits_culls_counter_clockwise;
   logic [31:0] begins_root;
   logic [31:0] begins_t_max;
   logic        begins_any_hit;
@@ -126,16 +135,19 @@ module raypath_unit_rays (
     .read_data_o ({origins_origin_x, origins_origin_y, origins_origin_z})
   );
 
+  assign limits_t1 = flags_i[8] | flags_i[6];
+
   raypath_ram_1r1w #(.Depth (64), .Width (34)) u_limits (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
-    .write_data_i ({entry_t_min_i, cull_i[0], cull_i[1]}), .read_enable_i (limits_read_i),
-    .read_address_i (limits_context_i),
-    .read_data_o ({limits_limits_t_min, limits_limits_cull_back, limits_limits_cull_front})
+    .write_data_i ({entry_t_min_i, flags_i[4] | limits_t1, flags_i[5] | limits_t1}),
+    .read_enable_i (limits_read_i), .read_address_i (limits_context_i),
+    .read_data_o ({limits_limits_t_min, limits_limits_culls_clockwise,
+        limits_limits_culls_counter_clockwise})
   );
 
   raypath_ram_1r1w #(.Depth (64), .Width (65)) u_begins (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
-    .write_data_i ({root_i, entry_t_max_i, any_hit_i}), .read_enable_i (step_read_i),
+    .write_data_i ({root_i, entry_t_max_i, flags_i[2]}), .read_enable_i (step_read_i),
     .read_address_i (step_context_i), .read_data_o ({begins_root, begins_t_max, begins_any_hit})
   );
 
@@ -156,25 +168,25 @@ module raypath_unit_rays (
   );
 
   // ---- Outputs --------------------------------------------------------------
-  assign ready_o             = ready;
-  assign id_o                = ids_id;
-  assign limits_t_min_o      = limits_limits_t_min;
-  assign limits_cull_back_o  = limits_limits_cull_back;
-  assign limits_cull_front_o = limits_limits_cull_front;
-  assign job_origin_x_o      = origins_origin_x;
-  assign job_origin_y_o      = origins_origin_y;
-  assign job_origin_z_o      = origins_origin_z;
-  assign job_inv_x_o         = constants_inv_x;
-  assign job_inv_y_o         = constants_inv_y;
-  assign job_inv_z_o         = constants_inv_z;
-  assign job_shear_x_o       = constants_shear_x;
-  assign job_shear_y_o       = constants_shear_y;
-  assign job_shear_z_o       = constants_shear_z;
-  assign job_kx_o            = constants_kx;
-  assign job_ky_o            = constants_ky;
-  assign job_kz_o            = constants_kz;
-  assign begin_root_o        = begins_root;
-  assign begin_t_max_o       = begins_t_max;
-  assign begin_any_hit_o     = begins_any_hit;
+  assign ready_o                          = ready;
+  assign id_o                             = ids_id;
+  assign limits_t_min_o                   = limits_limits_t_min;
+  assign limits_culls_clockwise_o         = limits_limits_culls_clockwise;
+  assign limits_culls_counter_clockwise_o = limits_limits_culls_counter_clockwise;
+  assign job_origin_x_o                   = origins_origin_x;
+  assign job_origin_y_o                   = origins_origin_y;
+  assign job_origin_z_o                   = origins_origin_z;
+  assign job_inv_x_o                      = constants_inv_x;
+  assign job_inv_y_o                      = constants_inv_y;
+  assign job_inv_z_o                      = constants_inv_z;
+  assign job_shear_x_o                    = constants_shear_x;
+  assign job_shear_y_o                    = constants_shear_y;
+  assign job_shear_z_o                    = constants_shear_z;
+  assign job_kx_o                         = constants_kx;
+  assign job_ky_o                         = constants_ky;
+  assign job_kz_o                         = constants_kz;
+  assign begin_root_o                     = begins_root;
+  assign begin_t_max_o                    = begins_t_max;
+  assign begin_any_hit_o                  = begins_any_hit;
 
 endmodule : raypath_unit_rays

@@ -17,6 +17,7 @@ module raypath_unit_set_up (
   input  logic [31:0] entry_dir_z_i,
   input  logic [31:0] entry_t_min_i,
   input  logic [31:0] entry_t_max_i,
+  input  logic        is_meaningless_i,
   input  logic [5:0]  context_i,
   output logic        ready_o,
   output logic        valid_o,
@@ -139,7 +140,7 @@ module raypath_unit_set_up (
       dir_x_q      <= entry_dir_x_i;
       dir_y_q      <= entry_dir_y_i;
       dir_z_q      <= entry_dir_z_i;
-      is_refused_q <= ~is_refused_t20;
+      is_refused_q <= is_meaningless_i | ~is_refused_t20;
       context_q    <= context_i;
     end
   end

@@ -29,8 +29,8 @@ module raypath_unit_walk (
   input  logic [31:0] closest_t_i,
   input  logic [31:0] closest_t_num_i,
   input  logic [31:0] closest_t_denom_i,
-  input  logic        closest_back_face_i,
-  input  logic [31:0] closest_triangle_i,
+  input  logic        closest_is_clockwise_i,
+  input  logic [31:0] closest_primitive_i,
   input  logic [31:0] child_0_i,
   input  logic [31:0] child_1_i,
   input  logic [31:0] child_2_i,
@@ -48,12 +48,12 @@ module raypath_unit_walk (
   output logic [5:0]  context_o,
   output logic [24:0] block_o,
   output logic [1:0]  count_o,
-  output logic [1:0]  status_o,
+  output logic [2:0]  status_o,
   output logic [31:0] next_extent_o,
   output logic [31:0] next_t_num_o,
   output logic [31:0] next_t_denom_o,
   output logic        next_back_face_o,
-  output logic [31:0] next_triangle_o,
+  output logic [31:0] next_primitive_o,
   output logic [31:0] next_nodes_o,
   output logic [31:0] next_triangles_o
 );
@@ -88,8 +88,8 @@ module raypath_unit_walk (
   logic [31:0] closest_t_q;
   logic [31:0] closest_t_num_q;
   logic [31:0] closest_t_denom_q;
-  logic        closest_back_face_q;
-  logic [31:0] closest_triangle_q;
+  logic        closest_is_clockwise_q;
+  logic [31:0] closest_primitive_q;
   logic        finishes_q;
   logic [5:0]  finished_context_q;
   logic [1:0]  finish_request_kind;
@@ -145,14 +145,14 @@ module raypath_unit_walk (
       {3{scheduler_grant[2]}}) | ((start_is_refused_i ? 3'd5 : 3'd0) & {3{scheduler_grant[3]}});
 
   always_ff @(posedge clk_i) begin
-    prepared_context_q  <= read_context;
-    kind_q              <= kind_t1 | (3'd3 & {3{scheduler_grant[4]}});
-    closest_is_hit_q    <= closest_is_hit_i;
-    closest_t_q         <= closest_t_i;
-    closest_t_num_q     <= closest_t_num_i;
-    closest_t_denom_q   <= closest_t_denom_i;
-    closest_back_face_q <= closest_back_face_i;
-    closest_triangle_q  <= closest_triangle_i;
+    prepared_context_q     <= read_context;
+    kind_q                 <= kind_t1 | (3'd3 & {3{scheduler_grant[4]}});
+    closest_is_hit_q       <= closest_is_hit_i;
+    closest_t_q            <= closest_t_i;
+    closest_t_num_q        <= closest_t_num_i;
+    closest_t_denom_q      <= closest_t_denom_i;
+    closest_is_clockwise_q <= closest_is_clockwise_i;
+    closest_primitive_q    <= closest_primitive_i;
   end
 
   // ---- The step is prepared, and the stack is read --------------------------
@@ -161,7 +161,7 @@ module raypath_unit_walk (
   logic [31:0] states_t_num;
   logic [31:0] states_t_denom;
   logic        states_back_face;
-  logic [31:0] states_triangle;
+  logic [31:0] states_primitive;
   logic [31:0] states_nodes;
   logic [31:0] states_triangles;
   logic [6:0]  states_level;
@@ -184,7 +184,7 @@ module raypath_unit_walk (
   logic [31:0] prepare_half_state_t_num;
   logic [31:0] prepare_half_state_t_denom;
   logic        prepare_half_state_back_face;
-  logic [31:0] prepare_half_state_triangle;
+  logic [31:0] prepare_half_state_primitive;
   logic [31:0] prepare_half_state_nodes;
   logic [31:0] prepare_half_state_triangles;
   logic [6:0]  prepare_half_state_level;
@@ -202,6 +202,7 @@ module raypath_unit_walk (
   logic        prepare_half_starts;
   logic        prepare_half_failed;
   logic        prepare_half_is_refused;
+  logic        prepare_half_cannot_enter;
   logic        prepare_half_descends;
   logic        prepare_half_is_lost;
   logic        prepare_half_leaf_continues;
@@ -227,7 +228,7 @@ module raypath_unit_walk (
   logic [31:0] half_state_t_num_q;
   logic [31:0] half_state_t_denom_q;
   logic        half_state_back_face_q;
-  logic [31:0] half_state_triangle_q;
+  logic [31:0] half_state_primitive_q;
   logic [31:0] half_state_nodes_q;
   logic [31:0] half_state_triangles_q;
   logic [6:0]  half_state_level_q;
@@ -245,6 +246,7 @@ module raypath_unit_walk (
   logic        half_starts_q;
   logic        half_failed_q;
   logic        half_is_refused_q;
+  logic        half_cannot_enter_q;
   logic        half_descends_q;
   logic        half_is_lost_q;
   logic        half_leaf_continues_q;
@@ -271,7 +273,7 @@ module raypath_unit_walk (
     .state_extent_i (begins ? begin_t_max_i : states_extent),
     .state_has_hit_i (~begins & states_has_hit), .state_t_num_i (states_t_num),
     .state_t_denom_i (states_t_denom), .state_back_face_i (states_back_face),
-    .state_triangle_i (states_triangle), .state_nodes_i (begins ? 32'd0 : states_nodes),
+    .state_primitive_i (states_primitive), .state_nodes_i (begins ? 32'd0 : states_nodes),
     .state_triangles_i (begins ? 32'd0 : states_triangles), .state_level_i (states_level),
     .state_pending_low_i (begins ? 32'd0 : states_pending_low),
     .state_pending_high_i (begins ? 32'd0 : states_pending_high),
@@ -289,15 +291,15 @@ module raypath_unit_walk (
     .answer_child_1_i (child_1_i), .answer_child_2_i (child_2_i), .answer_child_3_i (child_3_i),
     .answer_closest_is_hit_i (closest_is_hit_q), .answer_closest_t_i (closest_t_q),
     .answer_closest_t_num_i (closest_t_num_q), .answer_closest_t_denom_i (closest_t_denom_q),
-    .answer_closest_back_face_i (closest_back_face_q),
-    .answer_closest_triangle_i (closest_triangle_q),
+    .answer_closest_is_clockwise_i (closest_is_clockwise_q),
+    .answer_closest_primitive_i (closest_primitive_q),
     .half_state_any_hit_o (prepare_half_state_any_hit),
     .half_state_root_o (prepare_half_state_root), .half_state_extent_o (prepare_half_state_extent),
     .half_state_has_hit_o (prepare_half_state_has_hit),
     .half_state_t_num_o (prepare_half_state_t_num),
     .half_state_t_denom_o (prepare_half_state_t_denom),
     .half_state_back_face_o (prepare_half_state_back_face),
-    .half_state_triangle_o (prepare_half_state_triangle),
+    .half_state_primitive_o (prepare_half_state_primitive),
     .half_state_nodes_o (prepare_half_state_nodes),
     .half_state_triangles_o (prepare_half_state_triangles),
     .half_state_level_o (prepare_half_state_level),
@@ -313,8 +315,8 @@ module raypath_unit_walk (
     .half_state_leaf_address_o (prepare_half_state_leaf_address),
     .half_state_leaf_left_o (prepare_half_state_leaf_left), .half_starts_o (prepare_half_starts),
     .half_failed_o (prepare_half_failed), .half_is_refused_o (prepare_half_is_refused),
-    .half_descends_o (prepare_half_descends), .half_is_lost_o (prepare_half_is_lost),
-    .half_leaf_continues_o (prepare_half_leaf_continues),
+    .half_cannot_enter_o (prepare_half_cannot_enter), .half_descends_o (prepare_half_descends),
+    .half_is_lost_o (prepare_half_is_lost), .half_leaf_continues_o (prepare_half_leaf_continues),
     .half_ends_by_any_hit_o (prepare_half_ends_by_any_hit), .half_pops_o (prepare_half_pops),
     .half_is_empty_o (prepare_half_is_empty), .half_is_on_stack_o (prepare_half_is_on_stack),
     .half_deepest_o (prepare_half_deepest), .half_parent_o (prepare_half_parent),
@@ -344,7 +346,7 @@ module raypath_unit_walk (
     half_state_t_num_q           <= prepare_half_state_t_num;
     half_state_t_denom_q         <= prepare_half_state_t_denom;
     half_state_back_face_q       <= prepare_half_state_back_face;
-    half_state_triangle_q        <= prepare_half_state_triangle;
+    half_state_primitive_q       <= prepare_half_state_primitive;
     half_state_nodes_q           <= prepare_half_state_nodes;
     half_state_triangles_q       <= prepare_half_state_triangles;
     half_state_level_q           <= prepare_half_state_level;
@@ -362,6 +364,7 @@ module raypath_unit_walk (
     half_starts_q                <= prepare_half_starts;
     half_failed_q                <= prepare_half_failed;
     half_is_refused_q            <= prepare_half_is_refused;
+    half_cannot_enter_q          <= prepare_half_cannot_enter;
     half_descends_q              <= prepare_half_descends;
     half_is_lost_q               <= prepare_half_is_lost;
     half_leaf_continues_q        <= prepare_half_leaf_continues;
@@ -397,7 +400,7 @@ module raypath_unit_walk (
   logic [31:0] finish_next_t_num;
   logic [31:0] finish_next_t_denom;
   logic        finish_next_back_face;
-  logic [31:0] finish_next_triangle;
+  logic [31:0] finish_next_primitive;
   logic [31:0] finish_next_nodes;
   logic [31:0] finish_next_triangles;
   logic [6:0]  finish_next_level;
@@ -430,7 +433,7 @@ module raypath_unit_walk (
     .half_state_extent_i (half_state_extent_q), .half_state_has_hit_i (half_state_has_hit_q),
     .half_state_t_num_i (half_state_t_num_q), .half_state_t_denom_i (half_state_t_denom_q),
     .half_state_back_face_i (half_state_back_face_q),
-    .half_state_triangle_i (half_state_triangle_q), .half_state_nodes_i (half_state_nodes_q),
+    .half_state_primitive_i (half_state_primitive_q), .half_state_nodes_i (half_state_nodes_q),
     .half_state_triangles_i (half_state_triangles_q), .half_state_level_i (half_state_level_q),
     .half_state_pending_low_i (half_state_pending_low_q),
     .half_state_pending_high_i (half_state_pending_high_q),
@@ -443,8 +446,8 @@ module raypath_unit_walk (
     .half_state_leaf_address_i (half_state_leaf_address_q),
     .half_state_leaf_left_i (half_state_leaf_left_q), .half_starts_i (half_starts_q),
     .half_failed_i (half_failed_q), .half_is_refused_i (half_is_refused_q),
-    .half_descends_i (half_descends_q), .half_is_lost_i (half_is_lost_q),
-    .half_leaf_continues_i (half_leaf_continues_q),
+    .half_cannot_enter_i (half_cannot_enter_q), .half_descends_i (half_descends_q),
+    .half_is_lost_i (half_is_lost_q), .half_leaf_continues_i (half_leaf_continues_q),
     .half_ends_by_any_hit_i (half_ends_by_any_hit_q), .half_pops_i (half_pops_q),
     .half_is_empty_i (half_is_empty_q), .half_is_on_stack_i (half_is_on_stack_q),
     .half_deepest_i (half_deepest_q), .half_parent_i (half_parent_q), .half_place_i (half_place_q),
@@ -458,7 +461,7 @@ module raypath_unit_walk (
     .next_root_o (unused_finish_next_root), .next_extent_o (finish_next_extent),
     .next_has_hit_o (finish_next_has_hit), .next_t_num_o (finish_next_t_num),
     .next_t_denom_o (finish_next_t_denom), .next_back_face_o (finish_next_back_face),
-    .next_triangle_o (finish_next_triangle), .next_nodes_o (finish_next_nodes),
+    .next_primitive_o (finish_next_primitive), .next_nodes_o (finish_next_nodes),
     .next_triangles_o (finish_next_triangles), .next_level_o (finish_next_level),
     .next_pending_low_o (finish_next_pending_low), .next_pending_high_o (finish_next_pending_high),
     .next_place_low_low_o (finish_next_place_low_low),
@@ -482,14 +485,14 @@ module raypath_unit_walk (
   raypath_ram_1r1w #(.Depth (64), .Width (444)) u_states (
     .clk_i, .write_enable_i (finishes_q), .write_address_i (finished_context_q),
     .write_data_i ({finish_next_extent, finish_next_has_hit, finish_next_t_num, finish_next_t_denom,
-        finish_next_back_face, finish_next_triangle, finish_next_nodes, finish_next_triangles,
+        finish_next_back_face, finish_next_primitive, finish_next_nodes, finish_next_triangles,
         finish_next_level, finish_next_pending_low, finish_next_pending_high,
         finish_next_place_low_low, finish_next_place_low_high, finish_next_place_high_low,
         finish_next_place_high_high, finish_next_base, finish_next_restarting, finish_next_target,
         finish_next_leaf_address, finish_next_leaf_left}),
     .read_enable_i (read), .read_address_i (read_context),
     .read_data_o ({states_extent, states_has_hit, states_t_num, states_t_denom, states_back_face,
-        states_triangle, states_nodes, states_triangles, states_level, states_pending_low,
+        states_primitive, states_nodes, states_triangles, states_level, states_pending_low,
         states_pending_high, states_place_low_low, states_place_low_high, states_place_high_low,
         states_place_high_high, states_base, states_restarting, states_target, states_leaf_address,
         states_leaf_left})
@@ -523,7 +526,7 @@ module raypath_unit_walk (
   assign next_t_num_o     = finish_next_t_num;
   assign next_t_denom_o   = finish_next_t_denom;
   assign next_back_face_o = finish_next_back_face;
-  assign next_triangle_o  = finish_next_triangle;
+  assign next_primitive_o = finish_next_primitive;
   assign next_nodes_o     = finish_next_nodes;
   assign next_triangles_o = finish_next_triangles;
 

@@ -1,0 +1,261 @@
+//! Which primitives count for a ray: its flags and its mask, the words of the instance that it is in, and whether a
+//! geometry is opaque. The rules are those of Vulkan's `VK_KHR_ray_query` and of DirectX Raytracing.
+
+use crate::words::{WordCircuit, WordMethods};
+use raypath_ops::{Bit, Circuit, Select, Word, bundle};
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// The flags of a ray. The bits are those of SPIR-V's `RayFlags`.
+pub mod ray_flags {
+    /// Every triangle counts as opaque.
+    pub const OPAQUE: u32 = 1 << 0;
+    /// Every triangle counts as non-opaque.
+    pub const NO_OPAQUE: u32 = 1 << 1;
+    /// The ray ends with the first hit that is committed. All triangles of a block are tested before.
+    pub const TERMINATE_ON_FIRST_HIT: u32 = 1 << 2;
+    /// Traversal does not depend on it.
+    pub const SKIP_CLOSEST_HIT_SHADER: u32 = 1 << 3;
+    /// Back faces are not hit.
+    pub const CULL_BACK_FACING_TRIANGLES: u32 = 1 << 4;
+    /// Front faces are not hit.
+    pub const CULL_FRONT_FACING_TRIANGLES: u32 = 1 << 5;
+    /// Primitives that count as opaque are not hit.
+    pub const CULL_OPAQUE: u32 = 1 << 6;
+    /// Primitives that count as non-opaque are not hit.
+    pub const CULL_NO_OPAQUE: u32 = 1 << 7;
+    /// Triangles are not hit.
+    pub const SKIP_TRIANGLES: u32 = 1 << 8;
+    /// Procedural boxes are not hit.
+    pub const SKIP_AABBS: u32 = 1 << 9;
+    /// All of them.
+    pub const ALL: u32 = (1 << 10) - 1;
+}
+
+/// The flags of an instance, in bits 24 to 31 of the word with its offset. The bits are those of Vulkan's
+/// `VkGeometryInstanceFlagBitsKHR`.
+pub mod instance_flags {
+    /// Faces are not culled.
+    pub const FACING_CULL_DISABLE: u32 = 1 << 0;
+    /// The back face is the front, and the front the back.
+    pub const FLIP_FACING: u32 = 1 << 1;
+    /// Its geometries count as opaque.
+    pub const FORCE_OPAQUE: u32 = 1 << 2;
+    /// Its geometries count as non-opaque.
+    pub const FORCE_NO_OPAQUE: u32 = 1 << 3;
+    /// All of them.
+    pub const ALL: u32 = (1 << 4) - 1;
+}
+
+/// What a unit does beside finding hits of opaque triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Queries {
+    /// Nothing: all triangles are opaque, of one geometry, and instances have an index alone.
+    #[default]
+    None,
+    /// Geometries are opaque or not and have an index. Instances have a mask, flags, a custom index and an offset into
+    /// the shader table. A hit of a triangle that is not opaque is committed, as where there is no any-hit shader.
+    Flags,
+}
+
+/// The order of the vertices of a front face, as the ray's origin sees them in the space of the object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Front {
+    /// Counter-clockwise.
+    #[default]
+    CounterClockwise,
+    /// Clockwise, as Vulkan and DirectX have it.
+    Clockwise,
+}
+
+/// The error of a name that is none of [`Queries`] or [`Front`].
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is not a name of this parameter")]
+pub struct ParseNameError(pub String);
+
+/// Implements names of values: how they are shown and read.
+macro_rules! names {
+    ($type:ident { $($value:ident = $name:literal),* }) => {
+        impl fmt::Display for $type {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(match self { $(Self::$value => $name),* })
+            }
+        }
+
+        impl FromStr for $type {
+            type Err = ParseNameError;
+
+            fn from_str(name: &str) -> Result<Self, ParseNameError> {
+                match name {
+                    $($name => Ok(Self::$value),)*
+                    _ => Err(ParseNameError(name.to_string())),
+                }
+            }
+        }
+    };
+}
+
+names! { Queries { None = "none", Flags = "flags" } }
+names! { Front { CounterClockwise = "counter-clockwise", Clockwise = "clockwise" } }
+
+bundle! {
+    /// The flags of a ray that decide which primitives count.
+    pub struct RayFlags<C> {
+        /// [`ray_flags::OPAQUE`].
+        pub opaque: Bit<C>,
+        /// [`ray_flags::NO_OPAQUE`].
+        pub no_opaque: Bit<C>,
+        /// [`ray_flags::CULL_BACK_FACING_TRIANGLES`].
+        pub cull_back: Bit<C>,
+        /// [`ray_flags::CULL_FRONT_FACING_TRIANGLES`].
+        pub cull_front: Bit<C>,
+        /// [`ray_flags::CULL_OPAQUE`].
+        pub cull_opaque: Bit<C>,
+        /// [`ray_flags::CULL_NO_OPAQUE`].
+        pub cull_no_opaque: Bit<C>,
+        /// [`ray_flags::SKIP_TRIANGLES`].
+        pub skip_triangles: Bit<C>,
+        /// [`ray_flags::SKIP_AABBS`].
+        pub skip_boxes: Bit<C>,
+    }
+
+    /// The flags of an instance: [`instance_flags`].
+    pub struct InstanceFlags<C> {
+        /// Faces are not culled.
+        pub no_facing_cull: Bit<C>,
+        /// Front and back are exchanged.
+        pub flipped: Bit<C>,
+        /// Geometries count as opaque.
+        pub force_opaque: Bit<C>,
+        /// Geometries count as non-opaque.
+        pub force_no_opaque: Bit<C>,
+    }
+
+    /// What a hit reports of its instance.
+    pub struct InstanceWords<C> {
+        /// The index, or [`NO_INSTANCE`](crate::state::NO_INSTANCE).
+        pub index: Word<C, 32>,
+        /// The custom index.
+        pub custom_index: Word<C, 24>,
+        /// The offset into the shader table.
+        pub shader_offset: Word<C, 24>,
+    }
+
+    /// The triangles that are not hit, by the order of their vertices as the ray's origin sees them.
+    pub struct Culls<C> {
+        /// Clockwise ones.
+        pub clockwise: Bit<C>,
+        /// Counter-clockwise ones.
+        pub counter_clockwise: Bit<C>,
+    }
+}
+
+impl<C: WordCircuit> RayFlags<C> {
+    /// The flags in a word of [`ray_flags`].
+    #[inline(always)]
+    pub fn of(word: Word<C, 10>) -> Self {
+        Self {
+            opaque: word.part::<0, 1>().is(1),
+            no_opaque: word.part::<1, 1>().is(1),
+            cull_back: word.part::<4, 1>().is(1),
+            cull_front: word.part::<5, 1>().is(1),
+            cull_opaque: word.part::<6, 1>().is(1),
+            cull_no_opaque: word.part::<7, 1>().is(1),
+            skip_triangles: word.part::<8, 1>().is(1),
+            skip_boxes: word.part::<9, 1>().is(1),
+        }
+    }
+
+    /// Whether they have no meaning: more than one says which primitives are opaque or culled for it, more than one
+    /// which triangles are culled, or all primitives are skipped.
+    #[inline(always)]
+    pub fn are_meaningless(self) -> Bit<C> {
+        let two_of_three = |a: Bit<C>, b: Bit<C>, d: Bit<C>| (a & b) | (a & d) | (b & d);
+        let opaque = (self.opaque & self.no_opaque) | (self.cull_opaque & self.cull_no_opaque);
+        let opaque = opaque | ((self.opaque | self.no_opaque) & (self.cull_opaque | self.cull_no_opaque));
+        opaque
+            | two_of_three(self.cull_back, self.cull_front, self.skip_triangles)
+            | (self.skip_triangles & self.skip_boxes)
+    }
+
+    /// Whether a primitive counts as opaque: as its geometry is, if neither the instance nor the ray says otherwise.
+    #[inline(always)]
+    pub fn is_opaque(self, geometry: Bit<C>, instance: InstanceFlags<C>) -> Bit<C> {
+        let of_instance = instance.force_opaque | (geometry & !instance.force_no_opaque);
+        self.opaque | (of_instance & !self.no_opaque)
+    }
+
+    /// Whether triangles of this opacity are not hit.
+    #[inline(always)]
+    pub fn skip(self, is_opaque: Bit<C>) -> Bit<C> {
+        self.skip_triangles | is_opaque.select(self.cull_opaque, self.cull_no_opaque)
+    }
+
+    /// The triangles that are not hit because of their face.
+    #[inline(always)]
+    pub fn culls(self, front: Front, instance: InstanceFlags<C>) -> Culls<C> {
+        let Self { cull_back, cull_front, .. } = self;
+        let (back, front) = match front {
+            Front::CounterClockwise => (cull_back, cull_front),
+            Front::Clockwise => (cull_front, cull_back),
+        };
+        let (back, front) = instance.flipped.exchange(back, front);
+        let culls = !instance.no_facing_cull;
+        Culls { clockwise: back & culls, counter_clockwise: front & culls }
+    }
+
+    /// The triangles that are not hit by a unit of [`Queries::None`], where all are opaque.
+    #[inline(always)]
+    pub fn culls_of_opaque(self, c: C, front: Front) -> Culls<C> {
+        let all = self.skip_triangles | self.cull_opaque;
+        let Culls { clockwise, counter_clockwise } = self.culls(front, InstanceFlags::none(c));
+        Culls { clockwise: clockwise | all, counter_clockwise: counter_clockwise | all }
+    }
+}
+
+impl<C: WordCircuit> InstanceFlags<C> {
+    /// The flags of what is in no instance.
+    #[inline(always)]
+    pub fn none(c: C) -> Self {
+        let no = c.bit(false);
+        Self { no_facing_cull: no, flipped: no, force_opaque: no, force_no_opaque: no }
+    }
+
+    /// The flags in the word of an instance that has its offset, too.
+    #[inline(always)]
+    pub fn of(word: Word<C, 32>) -> Self {
+        Self {
+            no_facing_cull: word.part::<24, 1>().is(1),
+            flipped: word.part::<25, 1>().is(1),
+            force_opaque: word.part::<26, 1>().is(1),
+            force_no_opaque: word.part::<27, 1>().is(1),
+        }
+    }
+}
+
+impl<C: WordCircuit> InstanceWords<C> {
+    /// What a hit in no instance reports.
+    #[inline(always)]
+    pub fn none(c: C) -> Self {
+        Self { index: c.word(crate::state::NO_INSTANCE), custom_index: c.word(0), shader_offset: c.word(0) }
+    }
+}
+
+/// Implements the selection between two bundles, field by field.
+macro_rules! select_fields {
+    ($($bundle:ident { $($field:ident),* })*) => {$(
+        impl<C: Circuit> Select<C> for $bundle<C> {
+            #[inline(always)]
+            fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
+                Self { $($field: condition.select(if_true.$field, if_false.$field)),* }
+            }
+        }
+    )*};
+}
+pub(crate) use select_fields;
+
+select_fields! {
+    InstanceFlags { no_facing_cull, flipped, force_opaque, force_no_opaque }
+    InstanceWords { index, custom_index, shader_offset }
+}
