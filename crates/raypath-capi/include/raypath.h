@@ -75,6 +75,11 @@
 #define RAYPATH_UNIT_HIT 1
 
 /**
+ * A procedural box is hit, as the caller decided.
+ */
+#define RAYPATH_UNIT_PROCEDURAL 2
+
+/**
  * The ray is refused: a direction that cannot be inverted, a value that is not finite, a negative `t_min`, flags that
  * have no meaning together.
  */
@@ -146,7 +151,7 @@
 #define RAYPATH_RAY_SKIP_TRIANGLES 256
 
 /**
- * Procedural boxes, of which no unit has any yet, are not hit.
+ * Procedural boxes are not hit.
  */
 #define RAYPATH_RAY_SKIP_AABBS 512
 
@@ -191,6 +196,11 @@
 #define RAYPATH_PHASE_ENDED 3
 
 /**
+ * The phase of a ray that waits for a verdict on a candidate.
+ */
+#define RAYPATH_PHASE_VERDICT 4
+
+/**
  * A datapath: a configuration with its operations, models and hardware. It does not change, so any number of threads
  * may use it at once, until `raypath_close`.
  */
@@ -202,6 +212,11 @@ typedef struct raypath_datapath raypath_datapath;
  * A cycle consists of at most one accepted `raypath_pipeline_offer`, then `raypath_pipeline_step`.
  */
 typedef struct raypath_pipeline raypath_pipeline;
+
+/**
+ * A ray that waits for its caller at each candidate, as `rayQueryEXT` does. One thread at a time may use it.
+ */
+typedef struct raypath_query raypath_query;
 
 /**
  * A scene in memory, as a traversal unit reads it. It does not change, so any number of threads may use it at once,
@@ -611,88 +626,6 @@ typedef struct {
 } raypath_result;
 
 /**
- * Triangles of a scene that are opaque or not.
- */
-typedef struct {
-  /**
-   * The number of its triangles.
-   */
-  uint32_t triangles;
-  /**
-   * 0 if they are opaque, 1 if not.
-   */
-  uint32_t non_opaque;
-} raypath_unit_geometry;
-
-/**
- * A place of the triangles in a scene, 112 bytes.
- */
-typedef struct {
-  /**
-   * The affine matrix from the triangles to the scene, row by row; the last number of each row is the translation.
-   */
-  double matrix[3][4];
-  /**
-   * The custom index, below 2²⁴.
-   */
-  uint32_t custom_index;
-  /**
-   * Rays count it whose mask has a bit of this one, 0 to 255.
-   */
-  uint32_t mask;
-  /**
-   * The offset into the shader table, below 2²⁴.
-   */
-  uint32_t shader_offset;
-  /**
-   * The bits `RAYPATH_INSTANCE_…` that are set.
-   */
-  uint32_t flags;
-} raypath_unit_instance;
-
-/**
- * The parameters of a traversal unit.
- */
-typedef struct {
-  /**
-   * Rays in flight.
-   */
-  uint32_t contexts;
-  /**
-   * Entries of the stack of each ray.
-   */
-  uint32_t stack;
-  /**
-   * Bytes of a block of the scene: 128, and with `node = "quantised"` 64.
-   */
-  uint32_t block_bytes;
-  /**
-   * Bits of a beat of the memory; a block has 8 · `block_bytes` / `memory_width` beats.
-   */
-  uint32_t memory_width;
-  /**
-   * Bits of the id of a ray.
-   */
-  uint32_t id_width;
-  /**
-   * Cycles of a division.
-   */
-  uint32_t divider_latency;
-  /**
-   * Whether scenes have instances: 0 or 1.
-   */
-  uint32_t instances;
-  /**
-   * Whether it has flags of geometries and instances, which is `queries = "flags"`: 0 or 1.
-   */
-  uint32_t queries;
-  /**
-   * Whether front faces run clockwise: 0 or 1.
-   */
-  uint32_t clockwise_front;
-} raypath_unit_parameter_values;
-
-/**
  * A ray as the traversal unit takes it, 44 bytes. The members are the ports of the ray's channel.
  */
 typedef struct {
@@ -726,6 +659,88 @@ typedef struct {
    */
   uint32_t root;
 } raypath_unit_ray;
+
+/**
+ * Something that a ray may hit, about which its user decides, 56 bytes: a triangle that is not opaque, or a procedural
+ * box. The members are the ports of the channel of candidates; for a box, all but the indices are 0.
+ */
+typedef struct {
+  /**
+   * 1 for a procedural box, 0 for a triangle.
+   */
+  uint32_t is_box;
+  /**
+   * 1 if it counts as opaque, as boxes may.
+   */
+  uint32_t is_opaque;
+  /**
+   * The index in its geometry.
+   */
+  uint32_t primitive;
+  /**
+   * The index of its geometry.
+   */
+  uint32_t geometry;
+  /**
+   * The index of its instance; `RAYPATH_UNIT_NO_INSTANCE` in none.
+   */
+  uint32_t instance;
+  /**
+   * The custom index of its instance.
+   */
+  uint32_t custom_index;
+  /**
+   * The offset of its instance into the shader table.
+   */
+  uint32_t shader_offset;
+  /**
+   * The distance, in units of the direction's length.
+   */
+  float t;
+  /**
+   * The numerator of the distance.
+   */
+  float t_num;
+  /**
+   * The denominator of the distance.
+   */
+  float t_denom;
+  /**
+   * With `barycentrics`, the weight of the triangle's second vertex.
+   */
+  float u;
+  /**
+   * With `barycentrics`, the weight of the third vertex.
+   */
+  float v;
+  /**
+   * 1 if the ray meets the back face.
+   */
+  uint32_t back_face;
+  /**
+   * The index of the ray among those that were given.
+   */
+  uint32_t ray;
+} raypath_unit_candidate;
+
+/**
+ * What a user decides about a candidate, 12 bytes. All members 0 ignore it.
+ */
+typedef struct {
+  /**
+   * Not 0: it becomes the closest hit.
+   */
+  uint32_t accept;
+  /**
+   * Not 0: the ray ends, with its closest hit.
+   */
+  uint32_t end;
+  /**
+   * The distance of the hit of a box. It counts from `t_min` up to the closest hit or `t_max`; beyond, nothing is
+   * accepted.
+   */
+  float t;
+} raypath_unit_verdict;
 
 /**
  * What the traversal unit returns for a ray, 56 bytes. The members are the ports of the hit's channel: without a hit,
@@ -794,6 +809,97 @@ typedef struct {
 } raypath_unit_hit;
 
 /**
+ * Decides about a candidate: sets `*verdict`, which ignores it before. `user` is that of `raypath_unit_trace_with`.
+ */
+typedef void (*raypath_decide)(void *user, const raypath_unit_candidate *candidate, raypath_unit_verdict *verdict);
+
+/**
+ * Triangles or procedural boxes of a scene that are opaque or not.
+ */
+typedef struct {
+  /**
+   * The number of its triangles.
+   */
+  uint32_t triangles;
+  /**
+   * The number of its boxes; 0 if it has triangles.
+   */
+  uint32_t boxes;
+  /**
+   * 0 if they are opaque, 1 if not.
+   */
+  uint32_t non_opaque;
+} raypath_unit_geometry;
+
+/**
+ * A place of the triangles in a scene, 112 bytes.
+ */
+typedef struct {
+  /**
+   * The affine matrix from the triangles to the scene, row by row; the last number of each row is the translation.
+   */
+  double matrix[3][4];
+  /**
+   * The custom index, below 2²⁴.
+   */
+  uint32_t custom_index;
+  /**
+   * Rays count it whose mask has a bit of this one, 0 to 255.
+   */
+  uint32_t mask;
+  /**
+   * The offset into the shader table, below 2²⁴.
+   */
+  uint32_t shader_offset;
+  /**
+   * The bits `RAYPATH_INSTANCE_…` that are set.
+   */
+  uint32_t flags;
+} raypath_unit_instance;
+
+/**
+ * The parameters of a traversal unit.
+ */
+typedef struct {
+  /**
+   * Rays in flight.
+   */
+  uint32_t contexts;
+  /**
+   * Entries of the stack of each ray.
+   */
+  uint32_t stack;
+  /**
+   * Bytes of a block of the scene: 128, and with `node = "quantised"` 64.
+   */
+  uint32_t block_bytes;
+  /**
+   * Bits of a beat of the memory; a block has 8 · `block_bytes` / `memory_width` beats.
+   */
+  uint32_t memory_width;
+  /**
+   * Bits of the id of a ray.
+   */
+  uint32_t id_width;
+  /**
+   * Cycles of a division.
+   */
+  uint32_t divider_latency;
+  /**
+   * Whether scenes have instances: 0 or 1.
+   */
+  uint32_t instances;
+  /**
+   * What it has of ray queries: 0 for `queries = "none"`, 1 for "flags", 2 for "full".
+   */
+  uint32_t queries;
+  /**
+   * Whether front faces run clockwise: 0 or 1.
+   */
+  uint32_t clockwise_front;
+} raypath_unit_parameter_values;
+
+/**
  * The outputs of a unit in a cycle. The members are its ports. Those of a channel that is not valid are 0.
  */
 typedef struct {
@@ -813,6 +919,22 @@ typedef struct {
    * 1: a ray has ended. Its hit stays at the outputs until a step takes it.
    */
   uint32_t hit_valid;
+  /**
+   * 1: a ray waits for a verdict on a candidate, which stays at the outputs until a step takes it.
+   */
+  uint32_t cand_valid;
+  /**
+   * The tag of its verdict.
+   */
+  uint32_t cand_tag;
+  /**
+   * The id of its ray.
+   */
+  uint64_t cand_id;
+  /**
+   * The candidate.
+   */
+  raypath_unit_candidate cand;
   /**
    * 1: a block is requested. The request stays at the outputs until a step takes it.
    */
@@ -859,6 +981,22 @@ typedef struct {
    * Not 0: the memory has no valid data for the beat.
    */
   uint32_t mem_rsp_error;
+  /**
+   * Not 0: a verdict on a candidate is given. It may come from the cycle after the candidate was taken on.
+   */
+  uint32_t answer_valid;
+  /**
+   * The tag of the candidate.
+   */
+  uint32_t answer_tag;
+  /**
+   * The verdict.
+   */
+  raypath_unit_verdict answer;
+  /**
+   * Not 0: the candidate at the outputs is taken.
+   */
+  uint32_t cand_ready;
   /**
    * Not 0: the hit at the outputs is taken.
    */
@@ -954,6 +1092,11 @@ typedef struct {
    */
   uint32_t address;
 } raypath_ray_inside;
+
+/**
+ * `raypath_query_proceed`: the ray waits for a verdict on a candidate.
+ */
+#define RAYPATH_CANDIDATE 1
 
 /**
  * Success; `raypath_pipeline_offer`: the job is accepted; `raypath_pipeline_step`: a result left.
@@ -1396,20 +1539,93 @@ raypath_status raypath_pipeline_restore(raypath_pipeline *pipeline, const uint8_
 raypath_status raypath_pipeline_clone(const raypath_pipeline *pipeline, raypath_pipeline **copy);
 
 /**
+ * Begins a query with a ray, and sets `*query`. The unit may be closed before the query. Only a unit with
+ * `queries = "full"` has candidates.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for flags or a mask out of range; `RAYPATH_ERROR_NULL`, `_ALIGNMENT`.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit; `ray` is NULL or points to a structure; `query` is NULL or points to a pointer.
+ */
+raypath_status raypath_query_new(const raypath_unit *unit, const raypath_unit_ray *ray, raypath_query **query);
+
+/**
+ * Goes on through a scene of `size` bytes. Returns `RAYPATH_CANDIDATE` with `*candidate` if the ray waits for a verdict,
+ * or `RAYPATH_OK` if it has ended. A candidate without `raypath_query_answer` is ignored.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`, `_ALIGNMENT`.
+ *
+ * # Safety
+ * `query` is NULL or a query that no other thread uses; `scene` is NULL or has `size` elements; `candidate` is NULL or
+ * points to a structure.
+ */
+raypath_status raypath_query_proceed(raypath_query *query,
+                                     const uint8_t *scene,
+                                     size_t size,
+                                     raypath_unit_candidate *candidate);
+
+/**
+ * Decides about the candidate for which the ray waits.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`, `_ALIGNMENT`.
+ *
+ * # Safety
+ * `query` is NULL or a query that no other thread uses; `verdict` is NULL or points to a structure.
+ */
+raypath_status raypath_query_answer(raypath_query *query, const raypath_unit_verdict *verdict);
+
+/**
+ * Sets `*hit` to that of a ray that has ended.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` before; `RAYPATH_ERROR_NULL`, `_ALIGNMENT`.
+ *
+ * # Safety
+ * `query` is NULL or a query; `hit` is NULL or points to a structure.
+ */
+raypath_status raypath_query_hit(const raypath_query *query, raypath_unit_hit *hit);
+
+/**
+ * Frees a query. NULL is ignored.
+ *
+ * # Safety
+ * `query` is NULL or came from `raypath_query_new` and was not freed; no other call uses it.
+ */
+void raypath_query_free(raypath_query *query);
+
+/**
+ * As `raypath_unit_trace`, with a function that decides about the candidates of each ray, in the order in which the ray
+ * meets them; NULL accepts triangles and ignores boxes. `user` is passed on to it.
+ *
+ * Errors: those of `raypath_unit_trace`.
+ *
+ * # Safety
+ * That of `raypath_unit_trace`; `decide` uses none of the arrays but to read them, and does not unwind.
+ */
+raypath_status raypath_unit_trace_with(const raypath_unit *unit,
+                                       const uint8_t *scene,
+                                       size_t size,
+                                       const raypath_unit_ray *rays,
+                                       size_t count,
+                                       raypath_unit_hit *hits,
+                                       raypath_decide decide,
+                                       void *user);
+
+/**
  * Builds a scene in the layout that the unit reads, and sets `*scene`. Any thread may call it.
  *
  * `vertices` has three numbers for each of `vertex_count` vertices, `indices` three vertices for each of
- * `triangle_count` triangles, counter-clockwise as seen from the front. In a unit with `queries`, a triangle with
- * a vertex whose x is NaN is inactive: it is not hit, and counts in indices. With `geometries`, which may be NULL, the triangles belong to them in
- * order; without, they are one opaque geometry. With `instances`, which may be NULL, the scene has two levels, with the
- * triangles at each of `instance_count` places. `reach` is the greatest distance, along any axis,
- * between the origin of a ray and a vertex; 0 for 16 times the longest side of the scene. Rays from further away may
- * lose hits at the edges of boxes.
+ * `triangle_count` triangles, counter-clockwise as seen from the front. Arrays after these may be NULL. `boxes` are
+ * procedural boxes, for a unit with `queries = "full"`; one with a minimum above its maximum is the point in its middle.
+ * `geometries` are those to which triangles and boxes belong in order; without, the triangles are one opaque geometry.
+ * In a unit with `queries`, a triangle or a box is inactive that has a vertex or a corner whose x is NaN: it is not hit,
+ * and counts in indices. With `instances` the scene has two levels, with all of it at each of `instance_count` places.
+ * `reach` is the greatest distance, along any axis, between the origin of a ray and a vertex; 0 for 16 times the longest
+ * side of the scene. Rays from further away may lose hits at the edges of boxes.
  *
  * Errors: `RAYPATH_ERROR_ARGUMENT` for an index of no vertex, a coordinate beyond 2^40, a matrix without an inverse, a
- * negative reach, no active triangle, more than fit into 4 GiB, geometries with another number of triangles, a word of
- * an instance out of range, or what needs `instances` or `queries` for a unit without them; `RAYPATH_ERROR_NULL`,
- * `_ALIGNMENT`. Then `*scene` is not changed.
+ * negative reach, nothing active, more than fits into 4 GiB, geometries with another number of triangles or boxes, a
+ * word of an instance out of range, or what needs `instances` or `queries` for a unit without them;
+ * `RAYPATH_ERROR_NULL`, `_ALIGNMENT`. Then `*scene` is not changed.
  *
  * # Safety
  * `unit` is NULL or an open unit; the arrays are NULL or have that many elements; `scene` is NULL or points to a
@@ -1420,6 +1636,8 @@ raypath_status raypath_scene_build(const raypath_unit *unit,
                                    size_t vertex_count,
                                    const uint32_t (*indices)[3],
                                    size_t triangle_count,
+                                   const raypath_box *boxes,
+                                   size_t box_count,
                                    const raypath_unit_geometry *geometries,
                                    size_t geometry_count,
                                    const raypath_unit_instance *instances,
@@ -1543,9 +1761,9 @@ raypath_status raypath_unit_parameters(const raypath_unit *unit, raypath_unit_pa
 /**
  * Traces `count` rays through a scene of `size` bytes by the functional model, and sets a hit for each. The first byte
  * of the scene has the address 0; an address outside of it is an error of the memory, which ends a ray with
- * `RAYPATH_UNIT_MEMORY`. Any thread may call it.
+ * `RAYPATH_UNIT_MEMORY`. Of candidates, triangles are accepted and boxes ignored. Any thread may call it.
  *
- * Errors: `RAYPATH_ERROR_ARGUMENT` for a `cull` above 3, with the index of the ray; `RAYPATH_ERROR_NULL`,
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for flags or a mask out of range, with the index of the ray; `RAYPATH_ERROR_NULL`,
  * `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
  *
  * # Safety
@@ -1601,21 +1819,20 @@ raypath_status raypath_unit_model_outputs(const raypath_unit_model *model, raypa
 /**
  * The clock edge that ends this cycle.
  *
- * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags or a mask out of range, and a beat
- * whose tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle
- * passes.
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags or a mask out of range, a
+ * beat whose tag is that of no request that waits for one, and a verdict whose tag is that of no candidate that was
+ * taken; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
  *
  * # Safety
  * `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an
  * eighth of the memory's width if it is valid.
  */
-raypath_status raypath_unit_model_step(raypath_unit_model *model,
-                                       const raypath_unit_inputs *inputs);
+raypath_status raypath_unit_model_step(raypath_unit_model *model, const raypath_unit_inputs *inputs);
 
 /**
  * Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the
- * first with a hit or a request at the outputs, or in which `ray_ready` is 1 and was 0 before. Returns the number of
- * cycles that passed: 0 if there is a hit or request already, and after an error. Equivalent to that many calls of
+ * first with a hit, a candidate or a request at the outputs, or in which `ray_ready` is 1 and was 0 before. Returns the
+ * number of cycles that passed: 0 if there is one already, and after an error. Equivalent to that many calls of
  * `raypath_unit_model_step`, but cycles in which the unit waits for the memory take no time.
  *
  * # Safety

@@ -32,6 +32,8 @@ using Result = raypath_result;
 using Cost = raypath_cost_counts;
 using UnitRay = raypath_unit_ray;
 using UnitHit = raypath_unit_hit;
+using UnitCandidate = raypath_unit_candidate;
+using UnitVerdict = raypath_unit_verdict;
 using UnitInputs = raypath_unit_inputs;
 using UnitOutputs = raypath_unit_outputs;
 using UnitCounts = raypath_unit_counts;
@@ -116,6 +118,7 @@ struct Close {
   void operator()(raypath_pipeline *pipeline) const noexcept { raypath_pipeline_free(pipeline); }
   void operator()(raypath_unit *unit) const noexcept { raypath_unit_close(unit); }
   void operator()(raypath_scene *scene) const noexcept { raypath_scene_free(scene); }
+  void operator()(raypath_query *query) const noexcept { raypath_query_free(query); }
   void operator()(raypath_unit_model *model) const noexcept { raypath_unit_model_free(model); }
 };
 
@@ -306,11 +309,12 @@ class Scene {
   /** Builds a scene; see raypath_scene_build. Without instances it has one level. */
   static Expected<Scene> build(const Unit &unit, Span<const Vertex> vertices, Span<const Triangle> triangles,
                                Span<const Instance> instances = {}, float reach = 0.0f,
-                               Span<const Geometry> geometries = {}) {
+                               Span<const Geometry> geometries = {}, Span<const Box> boxes = {}) {
     raypath_scene *built = nullptr;
     const raypath_status status =
         raypath_scene_build(unit.get(), vertices.data(), vertices.size(), triangles.data(), triangles.size(),
-                            geometries.data(), geometries.size(), instances.data(), instances.size(), reach, &built);
+                            boxes.data(), boxes.size(), geometries.data(), geometries.size(), instances.data(),
+                            instances.size(), reach, &built);
     if (status < 0) return detail::last_error(status);
     return Scene(built);
   }
@@ -329,6 +333,56 @@ class Scene {
   explicit Scene(raypath_scene *built) noexcept : handle_(built) {}
 
   std::unique_ptr<raypath_scene, detail::Close> handle_;
+};
+
+/**
+ * A ray that waits for its caller at each candidate, as rayQueryEXT does:
+ *
+ *     while (query.proceed(scene.bytes()))
+ *       if (is_opaque_at(query.candidate())) query.confirm();
+ */
+class Query {
+ public:
+  static Expected<Query> create(const Unit &unit, const UnitRay &ray) {
+    raypath_query *made = nullptr;
+    const raypath_status status = raypath_query_new(unit.get(), &ray, &made);
+    if (status < 0) return detail::last_error(status);
+    return Query(made);
+  }
+
+  /** Goes on to the next candidate; false where the ray has ended. What is not confirmed or generated is ignored. */
+  bool proceed(Span<const std::uint8_t> scene) noexcept {
+    verdict_ = {};
+    return raypath_query_proceed(get(), scene.data(), scene.size(), &candidate_) == RAYPATH_CANDIDATE;
+  }
+  /** The candidate. */
+  const UnitCandidate &candidate() const noexcept { return candidate_; }
+
+  /** The triangle is hit. */
+  void confirm() noexcept { generate(0.0f); }
+  /** What is in the box is hit at this distance, if it is in the ray's range. */
+  void generate(float t) noexcept { verdict_.accept = 1, verdict_.t = t, answer(); }
+  /** The ray ends with its closest hit. */
+  void terminate() noexcept { verdict_.end = 1, answer(); }
+
+  /** The hit of a ray that has ended. */
+  Expected<UnitHit> hit() const {
+    UnitHit found{};
+    const raypath_status status = raypath_query_hit(get(), &found);
+    if (status < 0) return detail::last_error(status);
+    return found;
+  }
+
+  /** The handle, for functions of raypath.h. */
+  raypath_query *get() const noexcept { return handle_.get(); }
+
+ private:
+  explicit Query(raypath_query *made) noexcept : handle_(made) {}
+  void answer() noexcept { raypath_query_answer(get(), &verdict_); }
+
+  std::unique_ptr<raypath_query, detail::Close> handle_;
+  UnitCandidate candidate_{};
+  UnitVerdict verdict_{};
 };
 
 /** The cycle-exact model of a traversal unit. One thread at a time may use it. */

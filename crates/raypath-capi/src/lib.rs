@@ -10,6 +10,7 @@ mod datapath;
 mod inspect;
 mod memory;
 mod pipeline;
+mod query;
 mod scene;
 mod status;
 mod unit;
@@ -19,8 +20,10 @@ pub use arrays::*;
 pub use datapath::*;
 pub use inspect::*;
 pub use pipeline::*;
+pub use query::*;
 pub use raypath_embed::{
-    Bounds, QuadboxResult, Ray, SceneGeometry, SceneInstance, TriangleResult, UnitHit, UnitRay, Vertices,
+    Bounds, QuadboxResult, Ray, SceneGeometry, SceneInstance, TriangleResult, UnitCandidate, UnitHit, UnitRay,
+    UnitVerdict, Vertices,
 };
 pub use scene::*;
 pub use status::*;

@@ -3,7 +3,7 @@
 use crate::Unit;
 use crate::memory::{array, free, reference, reference_mut};
 use crate::status::{RAYPATH_OK, Status, address_or_null, status, value_or_zero};
-use raypath_embed::{SceneGeometry, SceneInput, SceneInstance, UnitScene};
+use raypath_embed::{Bounds, SceneGeometry, SceneInput, SceneInstance, UnitScene};
 
 /// A scene in memory, as a traversal unit reads it. It does not change, so any number of threads may use it at once,
 /// until `raypath_scene_free`.
@@ -12,17 +12,18 @@ pub struct Scene(UnitScene);
 /// Builds a scene in the layout that the unit reads, and sets `*scene`. Any thread may call it.
 ///
 /// `vertices` has three numbers for each of `vertex_count` vertices, `indices` three vertices for each of
-/// `triangle_count` triangles, counter-clockwise as seen from the front. In a unit with `queries`, a triangle with
-/// a vertex whose x is NaN is inactive: it is not hit, and counts in indices. With `geometries`, which may be NULL, the triangles belong to them in
-/// order; without, they are one opaque geometry. With `instances`, which may be NULL, the scene has two levels, with the
-/// triangles at each of `instance_count` places. `reach` is the greatest distance, along any axis,
-/// between the origin of a ray and a vertex; 0 for 16 times the longest side of the scene. Rays from further away may
-/// lose hits at the edges of boxes.
+/// `triangle_count` triangles, counter-clockwise as seen from the front. Arrays after these may be NULL. `boxes` are
+/// procedural boxes, for a unit with `queries = "full"`; one with a minimum above its maximum is the point in its middle.
+/// `geometries` are those to which triangles and boxes belong in order; without, the triangles are one opaque geometry.
+/// In a unit with `queries`, a triangle or a box is inactive that has a vertex or a corner whose x is NaN: it is not hit,
+/// and counts in indices. With `instances` the scene has two levels, with all of it at each of `instance_count` places.
+/// `reach` is the greatest distance, along any axis, between the origin of a ray and a vertex; 0 for 16 times the longest
+/// side of the scene. Rays from further away may lose hits at the edges of boxes.
 ///
 /// Errors: `RAYPATH_ERROR_ARGUMENT` for an index of no vertex, a coordinate beyond 2^40, a matrix without an inverse, a
-/// negative reach, no active triangle, more than fit into 4 GiB, geometries with another number of triangles, a word of
-/// an instance out of range, or what needs `instances` or `queries` for a unit without them; `RAYPATH_ERROR_NULL`,
-/// `_ALIGNMENT`. Then `*scene` is not changed.
+/// negative reach, nothing active, more than fits into 4 GiB, geometries with another number of triangles or boxes, a
+/// word of an instance out of range, or what needs `instances` or `queries` for a unit without them;
+/// `RAYPATH_ERROR_NULL`, `_ALIGNMENT`. Then `*scene` is not changed.
 ///
 /// # Safety
 /// `unit` is NULL or an open unit; the arrays are NULL or have that many elements; `scene` is NULL or points to a
@@ -35,6 +36,8 @@ pub unsafe extern "C" fn raypath_scene_build(
     vertex_count: usize,
     indices: *const [u32; 3],
     triangle_count: usize,
+    boxes: *const Bounds,
+    box_count: usize,
     geometries: *const SceneGeometry,
     geometry_count: usize,
     instances: *const SceneInstance,
@@ -63,7 +66,9 @@ pub unsafe extern "C" fn raypath_scene_build(
         };
         let reach = if reach == 0.0 { None } else { Some(reach) };
         let (vertices, triangles) = (vertices.to_vec(), triangles.to_vec());
-        let input = SceneInput { vertices, triangles, geometries, instances, reach };
+        // SAFETY: as above.
+        let boxes = if boxes.is_null() && box_count == 0 { &[] } else { unsafe { array("boxes", boxes, box_count)? } };
+        let input = SceneInput { vertices, triangles, boxes: boxes.to_vec(), geometries, instances, reach };
         *scene = Box::into_raw(Box::new(Scene(unit.embedded.scene(input)?)));
         Ok(RAYPATH_OK)
     })

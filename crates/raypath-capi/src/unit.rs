@@ -33,7 +33,7 @@ pub struct UnitParameters {
     pub divider_latency: u32,
     /// Whether scenes have instances: 0 or 1.
     pub instances: u32,
-    /// Whether it has flags of geometries and instances, which is `queries = "flags"`: 0 or 1.
+    /// What it has of ray queries: 0 for `queries = "none"`, 1 for "flags", 2 for "full".
     pub queries: u32,
     /// Whether front faces run clockwise: 0 or 1.
     pub clockwise_front: u32,
@@ -43,6 +43,8 @@ pub struct UnitParameters {
 pub const RAYPATH_UNIT_MISS: u32 = 0;
 /// A triangle is hit.
 pub const RAYPATH_UNIT_HIT: u32 = 1;
+/// A procedural box is hit, as the caller decided.
+pub const RAYPATH_UNIT_PROCEDURAL: u32 = 2;
 /// The ray is refused: a direction that cannot be inverted, a value that is not finite, a negative `t_min`, flags that
 /// have no meaning together.
 pub const RAYPATH_UNIT_REFUSED: u32 = 3;
@@ -74,7 +76,7 @@ pub const RAYPATH_RAY_CULL_OPAQUE: u32 = 64;
 pub const RAYPATH_RAY_CULL_NO_OPAQUE: u32 = 128;
 /// Triangles are not hit.
 pub const RAYPATH_RAY_SKIP_TRIANGLES: u32 = 256;
-/// Procedural boxes, of which no unit has any yet, are not hit.
+/// Procedural boxes are not hit.
 pub const RAYPATH_RAY_SKIP_AABBS: u32 = 512;
 
 /// A bit of `flags` of `raypath_unit_instance`: faces are not culled.
@@ -160,7 +162,11 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
             id_width: parameters.id_width,
             divider_latency: parameters.divider_latency,
             instances: parameters.step.features.instances.into(),
-            queries: (parameters.step.features.queries != Queries::None).into(),
+            queries: match parameters.step.features.queries {
+                Queries::None => 0,
+                Queries::Flags => 1,
+                Queries::Full => 2,
+            },
             clockwise_front: (parameters.step.front == Front::Clockwise).into(),
         };
         Ok(RAYPATH_OK)
@@ -169,9 +175,9 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
 
 /// Traces `count` rays through a scene of `size` bytes by the functional model, and sets a hit for each. The first byte
 /// of the scene has the address 0; an address outside of it is an error of the memory, which ends a ray with
-/// `RAYPATH_UNIT_MEMORY`. Any thread may call it.
+/// `RAYPATH_UNIT_MEMORY`. Of candidates, triangles are accepted and boxes ignored. Any thread may call it.
 ///
-/// Errors: `RAYPATH_ERROR_ARGUMENT` for a `cull` above 3, with the index of the ray; `RAYPATH_ERROR_NULL`,
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for flags or a mask out of range, with the index of the ray; `RAYPATH_ERROR_NULL`,
 /// `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
 ///
 /// # Safety

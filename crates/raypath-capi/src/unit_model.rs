@@ -3,7 +3,7 @@
 use crate::Unit;
 use crate::memory::{array, copied, free, reference, reference_mut, results, written};
 use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
-use raypath_embed::{self as embed, RayPhase, Response, UnitHit, UnitRay};
+use raypath_embed::{self as embed, RayPhase, Response, UnitCandidate, UnitHit, UnitRay, UnitVerdict};
 
 /// The cycle-exact model of a traversal unit. One thread at a time may use it; another thread may use it later.
 ///
@@ -33,6 +33,14 @@ pub struct UnitInputs {
     pub mem_rsp_tag: u32,
     /// Not 0: the memory has no valid data for the beat.
     pub mem_rsp_error: u32,
+    /// Not 0: a verdict on a candidate is given. It may come from the cycle after the candidate was taken on.
+    pub answer_valid: u32,
+    /// The tag of the candidate.
+    pub answer_tag: u32,
+    /// The verdict.
+    pub answer: UnitVerdict,
+    /// Not 0: the candidate at the outputs is taken.
+    pub cand_ready: u32,
     /// Not 0: the hit at the outputs is taken.
     pub hit_ready: u32,
     /// Not 0: the request at the outputs is taken.
@@ -51,6 +59,14 @@ pub struct UnitOutputs {
     pub ray_ready: u32,
     /// 1: a ray has ended. Its hit stays at the outputs until a step takes it.
     pub hit_valid: u32,
+    /// 1: a ray waits for a verdict on a candidate, which stays at the outputs until a step takes it.
+    pub cand_valid: u32,
+    /// The tag of its verdict.
+    pub cand_tag: u32,
+    /// The id of its ray.
+    pub cand_id: u64,
+    /// The candidate.
+    pub cand: UnitCandidate,
     /// 1: a block is requested. The request stays at the outputs until a step takes it.
     pub mem_req_valid: u32,
     /// The address of the block.
@@ -105,6 +121,8 @@ pub const RAYPATH_PHASE_MEMORY: u32 = 1;
 pub const RAYPATH_PHASE_JOBS: u32 = 2;
 /// The phase of a ray that has ended and waits for the channel of hits.
 pub const RAYPATH_PHASE_ENDED: u32 = 3;
+/// The phase of a ray that waits for a verdict on a candidate.
+pub const RAYPATH_PHASE_VERDICT: u32 = 4;
 
 /// A ray in a context of a unit.
 #[repr(C)]
@@ -167,9 +185,9 @@ pub unsafe extern "C" fn raypath_unit_model_outputs(model: *const UnitModel, out
 
 /// The clock edge that ends this cycle.
 ///
-/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags or a mask out of range, and a beat
-/// whose tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle
-/// passes.
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags or a mask out of range, a
+/// beat whose tag is that of no request that waits for one, and a verdict whose tag is that of no candidate that was
+/// taken; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
 ///
 /// # Safety
 /// `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an
@@ -189,6 +207,8 @@ pub unsafe extern "C" fn raypath_unit_model_step(model: *mut UnitModel, inputs: 
         model.embedded.step(&embed::UnitInputs {
             ray: (inputs.ray_valid != 0).then_some((inputs.ray_id, &inputs.ray)),
             hit_ready: inputs.hit_ready != 0,
+            candidate_ready: inputs.cand_ready != 0,
+            verdict: (inputs.answer_valid != 0).then_some((inputs.answer_tag, inputs.answer)),
             request_ready: inputs.mem_req_ready != 0,
             response,
         })?;
@@ -197,8 +217,8 @@ pub unsafe extern "C" fn raypath_unit_model_step(model: *mut UnitModel, inputs: 
 }
 
 /// Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the
-/// first with a hit or a request at the outputs, or in which `ray_ready` is 1 and was 0 before. Returns the number of
-/// cycles that passed: 0 if there is a hit or request already, and after an error. Equivalent to that many calls of
+/// first with a hit, a candidate or a request at the outputs, or in which `ray_ready` is 1 and was 0 before. Returns the
+/// number of cycles that passed: 0 if there is one already, and after an error. Equivalent to that many calls of
 /// `raypath_unit_model_step`, but cycles in which the unit waits for the memory take no time.
 ///
 /// # Safety
@@ -270,6 +290,7 @@ impl From<embed::RayInside> for RayInside {
             RayPhase::SetUp => RAYPATH_PHASE_SET_UP,
             RayPhase::Memory => RAYPATH_PHASE_MEMORY,
             RayPhase::Jobs => RAYPATH_PHASE_JOBS,
+            RayPhase::Verdict => RAYPATH_PHASE_VERDICT,
             RayPhase::Ended => RAYPATH_PHASE_ENDED,
         };
         Self { id, context, phase, address }
@@ -342,11 +363,16 @@ impl From<embed::UnitOutputs> for UnitOutputs {
     fn from(outputs: embed::UnitOutputs) -> Self {
         let (hit_id, hit) = outputs.hit.unwrap_or_default();
         let request = outputs.request.unwrap_or_default();
+        let (cand_tag, cand_id, cand) = outputs.candidate.unwrap_or_default();
         Self {
             hit_id,
             hit,
             ray_ready: outputs.ray_ready.into(),
             hit_valid: outputs.hit.is_some().into(),
+            cand_valid: outputs.candidate.is_some().into(),
+            cand_tag,
+            cand_id,
+            cand,
             mem_req_valid: outputs.request.is_some().into(),
             mem_req_addr: request.address,
             mem_req_tag: request.tag,

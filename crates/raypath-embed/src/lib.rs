@@ -27,6 +27,6 @@ pub use raypath_ops::RayError;
 pub use raypath_sim::OperationId;
 pub use raypath_traversal::{BlockRequest, Front, Queries, RayInside, RayPhase, Response, UnitCounts};
 pub use unit::{
-    SceneGeometry, SceneInput, SceneInstance, Unit, UnitHit, UnitInputs, UnitModel, UnitOutputs, UnitRay, UnitScene,
-    UnitStalls,
+    SceneGeometry, SceneInput, SceneInstance, Unit, UnitCandidate, UnitHit, UnitInputs, UnitModel, UnitOutputs,
+    UnitQuery, UnitRay, UnitScene, UnitStalls, UnitVerdict,
 };

@@ -2,6 +2,7 @@
 
 mod layout;
 mod model;
+mod query;
 mod scene;
 mod user;
 
@@ -10,6 +11,7 @@ use crate::datapath::same_length;
 use crate::state::owner;
 pub use layout::{UnitHit, UnitRay};
 pub use model::{UnitInputs, UnitModel, UnitOutputs, UnitStalls};
+pub use query::{UnitCandidate, UnitQuery, UnitVerdict};
 use raypath_rtl::Config;
 use raypath_sim::configuration;
 use raypath_sim::files::{in_folder, write_all};

@@ -22,7 +22,7 @@ fn hits_have_the_instances_of_the_functional_model() {
     for number in 0..20 {
         let scene = TwoLevelScene::random(6, number % 4 == 3, &mut random);
         let mut blocks = scene.blocks;
-        let root = blocks.give_geometries(scene.root, &mut random);
+        let root = blocks.give_geometries(scene.root, unit.parameters().step.features.queries, &mut random);
         let memory = &blocks.0[..];
         let rays: Vec<UnitRay> = (0..200).map(|_| of(&random_ray(root, &mut random))).collect();
         let (mut hits, mut timed) = (vec![UnitHit::default(); 200], vec![UnitHit::default(); 200]);

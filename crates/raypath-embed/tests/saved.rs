@@ -3,7 +3,8 @@
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_embed::{
-    Bounds, Datapath, Job, Outcome, Pipeline, Ray, Response, Unit, UnitInputs, UnitModel, UnitRay, Vertices,
+    Bounds, Datapath, Job, Outcome, Pipeline, Ray, Response, Unit, UnitInputs, UnitModel, UnitRay, UnitVerdict,
+    Vertices,
 };
 use std::collections::VecDeque;
 
@@ -75,12 +76,13 @@ fn a_restored_pipeline_goes_on_as_the_saved_one() {
 struct System {
     model: UnitModel,
     queue: VecDeque<(u32, usize)>,
+    asked: VecDeque<u32>,
     random: ChaCha8Rng,
 }
 
 impl System {
     fn cycle(&mut self, scene: &[u8], width: usize, block: usize) -> String {
-        let Self { model, queue, random } = self;
+        let Self { model, queue, asked, random } = self;
         let outputs = model.outputs();
         let mut vector = || [(); 3].map(|()| random.random_range(-1.0..1.0));
         let ray = UnitRay { origin: vector(), direction: vector(), t_max: 9.0, root: 32, ..UnitRay::default() };
@@ -92,6 +94,8 @@ impl System {
         let inputs = UnitInputs {
             ray: random.random_bool(0.3).then_some((3, &ray)),
             hit_ready: random.random_bool(0.8),
+            candidate_ready: random.random_bool(0.8),
+            verdict: asked.pop_front().map(|tag| (tag, UnitVerdict { accept: tag % 2, end: tag / 2 % 2, t: 1.0 })),
             request_ready: random.random_bool(0.8),
             response: beat,
         };
@@ -99,6 +103,7 @@ impl System {
         if queue.front().is_some_and(|(_, left)| *left == 0) {
             queue.pop_front();
         }
+        asked.extend(outputs.candidate.filter(|_| inputs.candidate_ready).map(|(tag, ..)| tag));
         if let Some(request) = outputs.request.filter(|_| inputs.request_ready) {
             queue.push_back((request.tag, block / width));
         }
@@ -110,24 +115,33 @@ impl System {
 fn a_restored_unit_goes_on_as_the_saved_one() {
     let mut scene = [0; 128];
     let bounds = [-1.0_f32, -1.0, -1.0, 1.0, 1.0, 1.0];
-    // Each child is the node itself, a leaf, or nothing.
-    for (child, word) in [32_u32, 1, 2, 0].into_iter().enumerate() {
+    // Each child is the node itself, a leaf, or nothing; with candidates, the leaves are not opaque, and one is a box.
+    let set = |scene: &mut [u8; 128], child: usize, word: u32| {
         let bytes = bounds.iter().flat_map(|bound| bound.to_le_bytes());
         bytes.zip(&mut scene[24 * child..]).for_each(|(byte, to)| *to = byte);
         scene[96 + 4 * child..][..4].copy_from_slice(&word.to_le_bytes());
-    }
-    for (text, block) in
-        [("contexts = 8", 128), ("barycentrics = true\nnode = \"quantised\"", 64), ("instances = true", 128)]
-    {
+    };
+    for (text, block, leaves) in [
+        ("contexts = 8", 128, [1, 2]),
+        ("barycentrics = true\nnode = \"quantised\"", 64, [1, 2]),
+        ("instances = true\nqueries = \"full\"", 128, [9, 17]),
+    ] {
+        let [first, second] = leaves;
+        (0..).zip([32_u32, first, second, 0]).for_each(|(child, word)| set(&mut scene, child, word));
         let unit = Unit::open(text).expect("a unit");
         let width = unit.parameters().memory_width as usize / 8;
-        let mut saved =
-            System { model: UnitModel::new(&unit), queue: VecDeque::new(), random: ChaCha8Rng::seed_from_u64(2) };
+        let mut saved = System {
+            model: UnitModel::new(&unit),
+            queue: VecDeque::new(),
+            asked: VecDeque::new(),
+            random: ChaCha8Rng::seed_from_u64(2),
+        };
         for round in 0..20 {
             (0..200).for_each(|_| drop(saved.cycle(&scene, width, block)));
             saved.random = ChaCha8Rng::seed_from_u64(round);
             let random = ChaCha8Rng::seed_from_u64(round);
-            let mut restored = System { model: UnitModel::new(&unit), queue: saved.queue.clone(), random };
+            let mut restored =
+                System { model: UnitModel::new(&unit), queue: saved.queue.clone(), asked: saved.asked.clone(), random };
             restored.model.restore(&saved.model.save()).expect("a state");
             for cycle in 0..300 {
                 let expected = saved.cycle(&scene, width, block);

@@ -8,7 +8,9 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyList};
-use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, UnitHit, UnitRay, Vertices};
+use raypath_embed::{
+    Bounds, QuadboxResult, Ray, TriangleResult, UnitCandidate, UnitHit, UnitRay, UnitVerdict, Vertices,
+};
 use std::marker::PhantomData;
 use std::ops::Deref;
 
@@ -39,7 +41,7 @@ macro_rules! items {
         }
     )*};
 }
-items!(f32: [], [f32; 3]: [3], [f32; 16]: [16], [Bounds; 4]: [4, 2, 3], Vertices: [3, 3]);
+items!(f32: [], [f32; 3]: [3], [f32; 16]: [16], Bounds: [2, 3], [Bounds; 4]: [4, 2, 3], Vertices: [3, 3]);
 
 #[allow(unsafe_code)]
 // SAFETY: a word of 64 bits.
@@ -120,6 +122,11 @@ structures! {
     UnitHit: "hit", ["status": "u4" @ 0, "primitive": "i4" @ 4, "instance": "i4" @ 8, "t": "f4" @ 12, "t_num": "f4" @ 16,
         "t_denom": "f4" @ 20, "u": "f4" @ 24, "v": "f4" @ 28, "back_face": "?" @ 32 + LEAST_BYTE, "nodes": "u4" @ 36,
         "triangles": "u4" @ 40, "geometry": "i4" @ 44, "custom_index": "u4" @ 48, "shader_offset": "u4" @ 52];
+    UnitCandidate: "candidate", ["is_box": "?" @ LEAST_BYTE, "is_opaque": "?" @ 4 + LEAST_BYTE, "primitive": "i4" @ 8,
+        "geometry": "i4" @ 12, "instance": "i4" @ 16, "custom_index": "u4" @ 20, "shader_offset": "u4" @ 24,
+        "t": "f4" @ 28, "t_num": "f4" @ 32, "t_denom": "f4" @ 36, "u": "f4" @ 40, "v": "f4" @ 44,
+        "back_face": "?" @ 48 + LEAST_BYTE, "ray": "u4" @ 52];
+    UnitVerdict: "verdict", ["accept": "?" @ LEAST_BYTE, "end": "?" @ 4 + LEAST_BYTE, "t": "f4" @ 8];
     QuadboxResult: "quadbox", ["tmin": "(4,)f4" @ 0, "is_intersect": "(4,)?" @ 16, "box_index": "(4,)u1" @ 20];
 }
 

@@ -10,6 +10,7 @@ mod error;
 mod hits;
 mod job;
 mod pipeline;
+mod query;
 mod render;
 mod search;
 mod tables;
@@ -56,6 +57,8 @@ mod _raypath {
     use crate::job::{Job, Outcome};
     #[pymodule_export]
     use crate::pipeline::Pipeline;
+    #[pymodule_export]
+    use crate::query::RayQuery;
     #[pymodule_export]
     use crate::render::{PyScene, Rendering, render, trace};
     #[pymodule_export]

@@ -4,6 +4,7 @@ use crate::array::{Output, item, items, items_like};
 use crate::config::{Around, chosen, toml};
 use crate::error::{exception, value_error};
 use crate::hits::UnitHits;
+use crate::query::{RayQuery, rays_of};
 use crate::tables::row;
 use crate::watch::{abandoned_at_signals, watched};
 use pyo3::exceptions::PyUserWarning;
@@ -32,7 +33,7 @@ use std::sync::Arc;
 ///     flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
 ///         ``node``, ``memory_width``, ``id_width``, ``divider_latency``, ``front``, and those of the datapath.
 ///         ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
-///         masks and flags of instances.
+///         masks and flags of instances; ``queries="full"`` for candidates and procedural boxes, too.
 ///
 /// Raises:
 ///     ValueError: a value that a flag does not have; a datapath that the unit does not have.
@@ -111,24 +112,29 @@ impl Unit {
         reach: Option<f32>,
         instances: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<UnitScene> {
-        let (mut vertices, mut geometries) = (Vec::new(), Vec::new());
+        let (mut vertices, mut boxes, mut geometries) = (Vec::new(), Vec::new(), Vec::new());
         let mut add = |triangles: &Bound<'_, PyAny>, name: &str| -> PyResult<u32> {
             let corners = items::<Vertices>(triangles, name)?;
             vertices.extend(corners.iter().flat_map(|&Vertices { a, b, c }| [a, b, c]));
             let most = u32::MAX / 3;
             let problem = || value_error(format!("{name}: found {}, expected at most {most}", vertices.len() / 3));
-            let in_all = u32::try_from(vertices.len()).map_err(|_| problem())?;
-            Ok(in_all / 3)
+            u32::try_from(vertices.len()).map_err(|_| problem())?;
+            Ok(corners.len() as u32)
         };
         if let Ok(list) = triangles.cast::<PyList>() {
-            let mut before = 0;
             for (index, geometry) in list.iter().enumerate() {
-                let name = format!("triangles of geometry {index}");
                 let geometry = of_class(&geometry, "Geometry", &format!("triangles: item {index}"))?;
-                let (triangles, is_opaque) = (geometry.getattr("triangles")?, geometry.getattr("opaque")?.is_truthy()?);
-                let in_all = add(&triangles, &name)?;
-                geometries.push(SceneGeometry { triangles: in_all - before, non_opaque: (!is_opaque).into() });
-                before = in_all;
+                let non_opaque = (!geometry.getattr("opaque")?.is_truthy()?).into();
+                let [triangles, own_boxes] = ["triangles", "boxes"].map(|field| geometry.getattr(field));
+                let (triangles, own_boxes) = (triangles?, own_boxes?);
+                geometries.push(if own_boxes.is_none() {
+                    let triangles = add(&triangles, &format!("triangles of geometry {index}"))?;
+                    SceneGeometry { triangles, boxes: 0, non_opaque }
+                } else {
+                    let own = items::<embed::Bounds>(&own_boxes, &format!("boxes of geometry {index}"))?;
+                    boxes.extend_from_slice(&own);
+                    SceneGeometry { triangles: 0, boxes: own.len() as u32, non_opaque }
+                });
             }
         } else {
             add(triangles, "triangles")?;
@@ -137,6 +143,7 @@ impl Unit {
         let input = SceneInput {
             vertices,
             triangles: (0..faces).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
+            boxes,
             geometries,
             instances: instances.map(instances_of).transpose()?,
             reach,
@@ -148,7 +155,8 @@ impl Unit {
         Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)), node })
     }
 
-    /// Traces rays by the functional model, without time.
+    /// Traces rays by the functional model, without time. Of candidates, triangles are accepted and boxes ignored; see
+    /// ``query``.
     ///
     /// Args:
     ///     scene: the memory that the unit reads. An address outside of it is an error of the memory.
@@ -178,6 +186,37 @@ impl Unit {
             })
         })?;
         hits_of(output)
+    }
+
+    /// Rays whose caller decides about candidates, for a unit with ``queries="full"``.
+    ///
+    /// Args:
+    ///     scene: the memory that the unit reads.
+    ///     rays: rays of ``scene.rays``.
+    ///     flags: ``raypath.RayFlags`` beside those of the rays.
+    ///
+    /// Returns:
+    ///     A ``raypath.Query``: iterate over it for candidates, and then take its ``hits``.
+    ///
+    /// Raises:
+    ///     ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
+    ///
+    /// Warns:
+    ///     UserWarning: a ray begins beyond the ``reach`` of the scene.
+    #[pyo3(signature = (scene, rays, *, flags = 0))]
+    fn query<'py>(
+        &self,
+        py: Python<'py>,
+        scene: &Bound<'py, UnitScene>,
+        rays: &Bound<'py, PyAny>,
+        flags: u32,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let rays = rays_of(rays, flags)?;
+        scene.get().check(&self.inner)?;
+        self.inner.check(&rays).map_err(exception)?;
+        scene.get().warn_beyond_reach(py, &rays)?;
+        let query = Bound::new(py, RayQuery::new(&self.inner, scene, rays))?;
+        py.import("raypath._queries")?.getattr("Query")?.call1((query,))
     }
 
     /// Traces rays by the cycle-exact model with a memory, and measures. Rays are offered in order as soon as the unit
@@ -334,7 +373,7 @@ fn hits_of(mut output: Output<'_>) -> PyResult<UnitHits> {
 
 /// A hit as Python shows it: without one, the indices are -1 and the distance is infinity.
 pub fn shown(hit: UnitHit) -> UnitHit {
-    if hit.status == status::HIT {
+    if status::is_hit(hit.status) {
         return hit;
     }
     UnitHit { primitive: u32::MAX, geometry: u32::MAX, instance: NO_INSTANCE, t: f32::INFINITY, ..hit }

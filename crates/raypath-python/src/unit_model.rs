@@ -9,7 +9,7 @@ use crate::watch::watched;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use raypath_embed::{self as embed, BlockRequest, Response, UnitCounts, UnitHit, UnitRay, UnitStalls};
+use raypath_embed::{self as embed, BlockRequest, Response, UnitCounts, UnitHit, UnitRay, UnitStalls, UnitVerdict};
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
@@ -45,6 +45,8 @@ pub struct UnitModel {
     unit: Py<Unit>,
     /// The blocks that `run` has to answer: when, where and for whom, and the beats that were sent.
     due: VecDeque<(u64, BlockRequest, usize)>,
+    /// The verdict that `run` has to give in its next cycle.
+    verdict: Option<(u32, UnitVerdict)>,
 }
 
 impl UnitModel {
@@ -61,6 +63,7 @@ impl UnitModel {
             inner: Mutex::new(embed::UnitModel::new(&unit.get().inner)),
             unit: unit.clone().unbind(),
             due: VecDeque::new(),
+            verdict: None,
         }
     }
 
@@ -80,6 +83,9 @@ impl UnitModel {
     ///         arrive in order, in any cycle after that of the request.
     ///     response_error: whether the memory has no valid data for the beat.
     ///     hit_ready: whether a hit at the outputs is taken. It stays there otherwise.
+    ///     candidate_ready: whether a candidate at the outputs is taken. It stays there otherwise.
+    ///     verdict: the tag of a candidate that was taken, whether it is accepted, whether its ray ends, and the distance
+    ///         of the hit of a box.
     ///     request_ready: whether a request at the outputs is taken. It stays there otherwise.
     ///
     /// Returns:
@@ -87,9 +93,11 @@ impl UnitModel {
     ///
     /// Raises:
     ///     ValueError: an item that is not a ray; a number of too many bits; a beat of another size, or with the tag of
-    ///         no request that waits for one. Then no cycle passes.
+    ///         no request that waits for one; a verdict with the tag of no candidate that was taken. Then no cycle
+    ///         passes.
     #[pyo3(signature = (ray = None, ray_id = 0, *, response = None, response_error = false, hit_ready = true,
-        request_ready = true))]
+        candidate_ready = true, verdict = None, request_ready = true))]
+    #[allow(clippy::too_many_arguments)] // keywords of Python
     fn step(
         &mut self,
         ray: Option<&Bound<'_, PyAny>>,
@@ -97,8 +105,12 @@ impl UnitModel {
         response: Option<(u32, Bound<'_, PyBytes>)>,
         response_error: bool,
         hit_ready: bool,
+        candidate_ready: bool,
+        verdict: Option<(u32, bool, bool, f32)>,
         request_ready: bool,
     ) -> PyResult<UnitOutputs> {
+        let verdict =
+            verdict.map(|(tag, accept, end, t)| (tag, UnitVerdict { accept: accept.into(), end: end.into(), t }));
         let ray = ray.map(|ray| structure::<UnitRay>(ray, "ray")).transpose()?;
         let response = response.as_ref().map(|(tag, beat)| Response {
             tag: *tag,
@@ -107,12 +119,14 @@ impl UnitModel {
         });
         let ray = ray.as_ref().map(|ray| (ray_id, ray));
         let outputs = self.inner().outputs();
-        self.inner().step(&embed::UnitInputs { ray, hit_ready, request_ready, response }).map_err(exception)?;
+        self.inner()
+            .step(&embed::UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response })
+            .map_err(exception)?;
         Ok(UnitOutputs(outputs))
     }
 
     /// Many cycles at once: rays are offered in order, each until it is accepted, and a scene answers requests in
-    /// order.
+    /// order. Of candidates, triangles are accepted and boxes ignored.
     ///
     /// Args:
     ///     cycles: the number of cycles.
@@ -169,7 +183,7 @@ impl UnitModel {
         let nothing = vec![0; width];
         let (hit_ready, request_ready) = (hit_ready.as_deref(), request_ready.as_deref());
         let (ids, answers) = (ids.as_deref(), scene.is_some());
-        let Self { inner, due, .. } = self;
+        let Self { inner, due, verdict, .. } = self;
         let inner = inner.get_mut().unwrap_or_else(PoisonError::into_inner);
         let (mut accepted, mut hits, mut hit_ids, mut hit_cycles) = (0, Vec::new(), Vec::new(), Vec::new());
         let (mut addresses, mut request_cycles) = (Vec::new(), Vec::new());
@@ -188,10 +202,16 @@ impl UnitModel {
                 let inputs = embed::UnitInputs {
                     ray: rays.get(accepted).map(|ray| (number(accepted), ray)),
                     hit_ready: at(hit_ready),
+                    candidate_ready: true,
+                    verdict: verdict.take(),
                     request_ready: at(request_ready),
                     response,
                 };
                 inner.step(&inputs).map_err(exception)?;
+                // Of candidates, triangles are accepted and boxes ignored.
+                *verdict = outputs.candidate.map(|(tag, _, candidate)| {
+                    (tag, UnitVerdict { accept: 1 - candidate.is_box, ..UnitVerdict::default() })
+                });
                 if let Some((_, _, sent)) = due.front_mut().filter(|_| response.is_some()) {
                     *sent += 1;
                     if *sent * width == block {
@@ -226,7 +246,7 @@ impl UnitModel {
     }
 
     /// Advances cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the first with a
-    /// hit or a request at the outputs, or in which a ray is accepted and was not before. Cycles in which the unit
+    /// hit, a candidate or a request at the outputs, or in which a ray is accepted and was not before. Cycles in which the unit
     /// waits for the memory take no time.
     ///
     /// Args:
@@ -335,6 +355,26 @@ impl UnitOutputs {
         Ok(Some(row))
     }
 
+    /// A candidate at the outputs: the tag of its verdict, the number of its ray, and its fields by name; or None.
+    #[getter]
+    fn candidate<'py>(&self, py: Python<'py>) -> PyResult<Option<(u32, u64, Bound<'py, PyDict>)>> {
+        let Some((tag, id, found)) = self.0.candidate else { return Ok(None) };
+        let row = row!(py,
+            "is_box": found.is_box == 1,
+            "is_opaque": found.is_opaque == 1,
+            "primitive": found.primitive,
+            "geometry": found.geometry,
+            "instance": found.instance.cast_signed(),
+            "custom_index": found.custom_index,
+            "shader_offset": found.shader_offset,
+            "t": found.t,
+            "u": found.u,
+            "v": found.v,
+            "back_face": found.back_face == 1,
+        )?;
+        Ok(Some((tag, id, row)))
+    }
+
     /// The address of a block that is requested and the tag of its response, or None.
     #[getter]
     fn request(&self) -> Option<(u32, u32)> {
@@ -342,7 +382,7 @@ impl UnitOutputs {
     }
 
     fn __repr__(&self) -> String {
-        let embed::UnitOutputs { ray_ready, hit, request } = self.0;
+        let embed::UnitOutputs { ray_ready, hit, request, .. } = self.0;
         let hit = hit.map_or_else(|| "none".to_string(), |(id, _)| format!("of ray {id}"));
         let request = request.map_or_else(|| "none".to_string(), |request| format!("for {:#x}", request.address));
         format!("<raypath.UnitOutputs: ray_ready {ray_ready}, hit {hit}, request {request}>")

@@ -327,6 +327,86 @@ def test_queries() -> None:
     assert clockwise.trace(plain, plain.rays(f32([[0, 0, 4]]), f32([[0, 0, -2]]))).back_face.tolist() == [True]
 
 
+def test_candidates() -> None:
+    """Alpha-tested triangles and procedural spheres, against float64: the loop of a ray query over arrays of rays, and
+    the same rays through the cycle-exact model."""
+    unit = raypath.Unit("compact", queries="full", instances=True, contexts=16, stack=2)
+    random = np.random.default_rng(12)
+    leaves = random.uniform(-1, 1, (60, 1, 3)) + random.uniform(-0.5, 0.5, (60, 3, 3))
+    walls = random.uniform(-1, 1, (20, 1, 3)) + random.uniform(-0.5, 0.5, (20, 3, 3))
+    centres, radii = random.uniform(-1, 1, (30, 3)), random.uniform(0.05, 0.3, 30)
+    boxes = np.stack([centres - radii[:, None] * 1.01, centres + radii[:, None] * 1.01], axis=1)
+    move = np.eye(3, 4)
+    move[:, 3] = [0.5, -0.25, 0.125]
+    scene = unit.scene(
+        [
+            raypath.Geometry(leaves.astype(np.float32), opaque=False),
+            raypath.Geometry(walls.astype(np.float32)),
+            raypath.Geometry(boxes=boxes.astype(np.float32)),
+        ],
+        instances=[raypath.Instance(move)],
+    )
+    origins, directions = numbers(3000)
+    rays = scene.rays(origins, directions, flags=BACK)
+    local = origins.astype(np.float64) - move[:, 3]
+
+    def sphere(ray: Any, index: Any) -> tuple[Any, Any]:
+        """Where rays enter spheres."""
+        d, o = directions[ray].astype(np.float64), local[ray] - centres[index]
+        a, b, c = (d * d).sum(1), (d * o).sum(1), (o * o).sum(1) - radii[index] ** 2
+        root = b * b - a * c
+        t = (-b - np.sqrt(np.maximum(root, 0))) / a
+        return (root > 0) & (t > 0), t.astype(np.float32)
+
+    seen: set[tuple[int, int, int]] = set()
+    query = unit.query(scene, rays)
+    with pytest.raises(ValueError, match=r"0 of 3000 rays have ended"):
+        query.hits  # noqa: B018
+    for candidates in query:
+        assert set(np.unique(candidates.geometry)) <= {0, 2}
+        names = list(zip(candidates.ray.tolist(), candidates.geometry.tolist(), candidates.primitive.tolist()))
+        assert not seen.intersection(names)
+        seen.update(names)
+        is_hit, t = sphere(candidates.ray, candidates.primitive % 30)
+        candidates.answer(np.where(candidates.is_box, is_hit, candidates.primitive % 3 == 0), t=t)
+    hits = query.hits
+    # In float64: the nearest wall, leaf that is not cut out, or sphere.
+    kept = np.concatenate([leaves[::3], walls])
+    vertices = kept.reshape(-1, 3).astype(np.float32), np.arange(3 * len(kept), dtype=np.uint32).reshape(-1, 3)
+    triangle, t, doubt = nearest(vertices, local.astype(np.float32), directions)
+    every, ball = np.repeat(np.arange(3000), 30), np.tile(np.arange(30), 3000)
+    meets, at = (found.reshape(3000, 30) for found in sphere(every, ball))
+    at = np.where(meets, at, np.inf)
+    expected = np.where(at.min(1) < t, 2, np.where(triangle >= 20, 1, 0))
+    expected[np.isinf(np.minimum(at.min(1), t))] = -1
+    gap = np.abs(np.minimum(at.min(1), 1e9) - np.minimum(t, 1e9))
+    clear = (doubt > 1e-3) & ((gap > 1e-3) | np.isinf(t))
+    assert clear.mean() > 0.7
+    np.testing.assert_array_equal(hits.geometry[clear], expected[clear])
+    assert all((expected == geometry).sum() > 100 for geometry in (-1, 0, 1, 2))
+    np.testing.assert_array_equal(hits.status, np.select([hits.geometry == 2, hits.geometry >= 0], [2, 1], 0))
+    np.testing.assert_allclose(hits.t[clear], np.minimum(at.min(1), t)[clear], rtol=1e-3)
+
+    model, found, verdict, beats = raypath.UnitModel(unit), {}, None, deque()  # type: ignore[var-annotated]
+    sent = 0
+    while len(found) < 60:
+        beat = beats.popleft() if beats else None
+        outputs = model.step(rays[sent] if sent < 60 else None, sent, response=beat, verdict=verdict)
+        sent += outputs.ray_ready and sent < 60
+        verdict = None
+        if outputs.hit_id is not None:
+            found[outputs.hit_id] = outputs.hit
+        if outputs.candidate is not None:
+            tag, ray, one = outputs.candidate
+            is_hit, t = sphere(np.array([ray]), np.array([one["primitive"] % 30]))
+            verdict = (tag, bool(is_hit[0]) if one["is_box"] else one["primitive"] % 3 == 0, False, float(t[0]))
+        if outputs.request is not None:
+            address, tag = outputs.request
+            beats.extend((tag, scene.data[address + at : address + at + 64]) for at in (0, 64))
+    for ray, hit in found.items():
+        assert hit == dict(zip(hits.array.dtype.names or (), hits.array[ray].item()))
+
+
 def test_instances_of_the_command(mesh: Mesh, tmp_path: Path) -> None:
     """``scene --instances`` writes the bytes of ``Unit.scene``, and ``render`` finds the hits of ``Unit.trace``."""
     triangles, _, origins, directions = two_levels(mesh)
@@ -397,6 +477,11 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
     (
         lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=[raypath.Instance(PLACES[0], mask=256)]),
         r"instance 0: mask is 256, expected 0 to 255",
+    ),
+    (lambda unit: raypath.Geometry(), r"a geometry has triangles or boxes, expected one"),
+    (
+        lambda unit: unit.scene([raypath.Geometry(boxes=np.zeros((1, 2, 3), np.float32))]),
+        r"procedural boxes: the unit has queries none, expected full",
     ),
     (lambda unit: unit.scene(ONES), r"triangles: found .* expected .* \(n, 3, 3\)"),
     (lambda unit: unit.scene(np.zeros((0, 3, 3), np.float32)), r"0 triangles, expected at least 1"),

@@ -90,7 +90,7 @@ fn coincident_triangles_are_hit() {
 }
 
 /// In the space of an instance that is 2³⁰ times as large as its mesh, the first ray is too short to invert: the unit
-/// ends it with status 3. Nothing shows that as a miss.
+/// ends it with an error. Nothing shows that as a miss.
 #[test]
 fn rays_that_the_unit_ends_with_an_error_are_errors() {
     let small = 2.0_f32.powi(-30);

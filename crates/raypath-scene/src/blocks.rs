@@ -1,7 +1,7 @@
 //! A scene as the traversal unit reads it from memory.
 
 use crate::bvh::{Bvh4, Node, Reference, Target, padded};
-use crate::mesh::{Bounds, TrianglePlace};
+use crate::mesh::{Bounds, Geometry, TrianglePlace};
 use crate::placement::Placement;
 use raypath_ops::{Aabb, Binary32, Ray};
 use raypath_traversal::blocks::quantised::BoxError;
@@ -81,7 +81,10 @@ impl Blocks {
                         let TrianglePlace { geometry, .. } = bvh.place(first);
                         let triangles: Vec<_> = slots.map(triangle).collect();
                         leaves.extend(LeafTriangle::to_bytes(&triangles, geometry, kind));
-                        Child::Leaf { address, count, is_opaque: bvh.geometries()[geometry as usize] }
+                        match bvh.geometries()[geometry as usize] {
+                            Geometry { is_opaque, is_boxes: false } => Child::Leaf { address, count, is_opaque },
+                            Geometry { is_opaque, is_boxes: true } => Child::Box { address, is_opaque },
+                        }
                     }
                 };
                 // Addresses are multiples of a block and leaves have 1 to 8 triangles, so the word is valid.
@@ -98,8 +101,11 @@ impl Blocks {
         }
         nodes.extend(leaves);
         let root = Child::Node { address: 0 }.word(kind).unwrap_or(0);
-        let needs_flags = bvh.geometries() != [true];
-        let queries = if needs_flags { Queries::Flags } else { Queries::None };
+        let queries = match bvh.geometries() {
+            [Geometry::OPAQUE] => Queries::None,
+            geometries if geometries.iter().any(|geometry| geometry.is_boxes) => Queries::Full,
+            _ => Queries::Flags,
+        };
         Ok(Self { bytes: nodes, nodes: kind, root, features: UnitFeatures { queries, ..UnitFeatures::OFF } })
     }
 
@@ -120,7 +126,7 @@ impl Blocks {
             let word = Child::Instance { address: blocks.bytes.len() as u32 }.word(NodeKind::Wide4).unwrap_or(0);
             let instance = placement.instance(object, index);
             if (instance.mask, instance.custom_index, instance.shader_offset, instance.flags) != (u8::MAX, 0, 0, 0) {
-                blocks.features.queries = Queries::Flags;
+                blocks.features.queries = blocks.features.queries.max(Queries::Flags);
             }
             blocks.bytes.extend(instance.to_bytes());
             let centre = bounds.centre();

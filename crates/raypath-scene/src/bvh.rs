@@ -1,6 +1,6 @@
 //! The bounding volume hierarchy: a tree with four boxes per node, as the box operation takes them.
 
-use crate::mesh::{Bounds, Mesh, TrianglePlace};
+use crate::mesh::{Bounds, Geometry, Mesh, TrianglePlace};
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::{BvhBuildParams, triangle::Triangle as PeerTriangle};
 use raypath_ops::{Aabb, Binary32, Triangle};
@@ -47,8 +47,7 @@ pub struct Bvh4 {
     /// The mesh index of each of `triangles`, and its place among geometries.
     indices: Vec<u32>,
     places: Vec<TrianglePlace>,
-    /// Whether each geometry is opaque.
-    geometries: Vec<bool>,
+    geometries: Vec<Geometry>,
     stack: usize,
     levels: u32,
     reach: f32,
@@ -165,8 +164,8 @@ impl Bvh4 {
         self.places[slot as usize]
     }
 
-    /// Whether each geometry is opaque.
-    pub fn geometries(&self) -> &[bool] {
+    /// The geometries.
+    pub fn geometries(&self) -> &[Geometry] {
         &self.geometries
     }
 
@@ -336,10 +335,12 @@ impl<'m> Collapse<'m> {
         }
     }
 
-    /// Whether a range, which is sorted by geometry, becomes a leaf.
+    /// Whether a range, which is sorted by geometry, becomes a leaf. A procedural box is alone in its leaf.
     fn is_leaf(&self, first: u32, count: u32) -> bool {
         let geometry = |place: u32| self.mesh.place(self.order[place as usize]).geometry;
-        count <= Reference::MAX_IN_LEAF && geometry(first) == geometry(first + count - 1)
+        let (of_first, of_last) = (geometry(first), geometry(first + count - 1));
+        let is_boxes = self.bvh.geometries.get(of_first as usize).is_some_and(|geometry| geometry.is_boxes);
+        count <= if is_boxes { 1 } else { Reference::MAX_IN_LEAF } && of_first == of_last
     }
 
     fn leaf(&mut self, first: u32, count: u32) -> Reference {
@@ -393,7 +394,7 @@ impl<'m> Collapse<'m> {
     /// The levels of nodes that a part needs at least: those of a balanced tree, and of an inner node one. Several
     /// geometries need leaves of one triangle at most.
     fn least_levels(&self, part: Subtree) -> u32 {
-        let full = if self.bvh.geometries.len() > 1 { 1 } else { Reference::MAX_IN_LEAF };
+        let full = if self.bvh.geometries == [Geometry::OPAQUE] { Reference::MAX_IN_LEAF } else { 1 };
         match part {
             Subtree::Inner(node) => balanced_levels(self.counts[node as usize], full).max(1),
             Subtree::Range { count, .. } => balanced_levels(count, full),

@@ -10,6 +10,6 @@ pub mod vector;
 
 pub use blocks::{Blocks, BlocksError};
 pub use bvh::Bvh4;
-pub use mesh::{Bounds, Mesh, MeshError, TrianglePlace};
+pub use mesh::{Bounds, Geometry, Mesh, MeshError, TrianglePlace};
 pub use placement::{Placement, PlacementError};
 pub use scene::{Scene, SceneError};

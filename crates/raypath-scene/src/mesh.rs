@@ -10,10 +10,23 @@ use thiserror::Error;
 pub struct Mesh {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// Whether each geometry is opaque.
-    geometries: Vec<bool>,
+    geometries: Vec<Geometry>,
     /// The geometry of each triangle, and its index there. Empty if the mesh is one geometry.
     places: Vec<TrianglePlace>,
+}
+
+/// What the triangles of a geometry are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Geometry {
+    /// They count as opaque.
+    pub is_opaque: bool,
+    /// They stand for procedural boxes: the vertices a and b are the corners of a box, and c is one of them.
+    pub is_boxes: bool,
+}
+
+impl Geometry {
+    /// Opaque triangles.
+    pub const OPAQUE: Self = Self { is_opaque: true, is_boxes: false };
 }
 
 /// The place of a triangle among geometries.
@@ -59,14 +72,14 @@ impl Mesh {
                 return Err(MeshError(format!("triangle {triangle} names vertex {index}, {expected}")));
             }
         }
-        Ok(Self { positions, triangles, geometries: vec![true], places: Vec::new() })
+        Ok(Self { positions, triangles, geometries: vec![Geometry::OPAQUE], places: Vec::new() })
     }
 
-    /// The mesh as several geometries, which are opaque or not, with the place of each triangle.
+    /// The mesh as several geometries, with the place of each triangle.
     ///
     /// # Errors
     /// Another number of places than triangles; a geometry that does not exist.
-    pub fn with_geometries(self, geometries: Vec<bool>, places: Vec<TrianglePlace>) -> Result<Self, MeshError> {
+    pub fn with_geometries(self, geometries: Vec<Geometry>, places: Vec<TrianglePlace>) -> Result<Self, MeshError> {
         if places.len() != self.triangles.len() {
             return Err(MeshError(format!("{} places, expected {}", places.len(), self.triangles.len())));
         }
@@ -76,8 +89,8 @@ impl Mesh {
         Ok(Self { geometries, places, ..self })
     }
 
-    /// Whether each geometry is opaque.
-    pub fn geometries(&self) -> &[bool] {
+    /// The geometries.
+    pub fn geometries(&self) -> &[Geometry] {
         &self.geometries
     }
 

@@ -1,7 +1,8 @@
 //! What jobs and the memory answer, in native binary32.
 
 use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind, geometry};
-use crate::fold::{HitLimits, fold};
+use crate::candidate::Verdict;
+use crate::fold::{After, HitLimits, fold};
 use crate::instance::{Instance, Row, Transform, TransformInput};
 use crate::model::RayRequest;
 use crate::query::{Culls, RayFlags, ray_flags};
@@ -106,6 +107,14 @@ impl Answers {
         nothing(answer::CONTINUE)
     }
 
+    /// The user's verdict on a candidate.
+    pub fn verdict(candidate: TriangleHit<Binary32>, is_box: bool, verdict: Verdict) -> Answer<Binary32> {
+        let Verdict { accepts, ends, t } = verdict;
+        let t = if is_box { t.into() } else { candidate.t };
+        let closest = TriangleHit { t, ..candidate };
+        Answer { closest, verdict_accepts: accepts.into(), verdict_ends: ends.into(), ..nothing(answer::VERDICT) }
+    }
+
     /// The memory reported an error.
     pub fn failure() -> Answer<Binary32> {
         nothing(answer::ERROR)
@@ -159,6 +168,7 @@ impl Answers {
         let (outcome, ()) = self.triangles.run(Binary32, input, ());
         TriangleHit {
             is_hit: outcome.triangle_hit,
+            has_more: false.into(),
             t: quotient(outcome.t_num, outcome.t_denom),
             t_num: outcome.t_num,
             t_denom: outcome.t_denom,
@@ -171,6 +181,13 @@ impl Answers {
     }
 }
 
+impl After<Binary32> {
+    /// None.
+    pub(crate) fn none() -> Self {
+        Self { is_set: false.into(), t: 0.0.into(), primitive: Word::truncate(0) }
+    }
+}
+
 impl RayRequest {
     /// Its flags.
     pub(crate) fn flags(&self) -> RayFlags<Binary32> {
@@ -180,14 +197,15 @@ impl RayRequest {
     /// The limits that the ray sets to hits, in a unit of [`Queries::None`](crate::Queries::None).
     pub(crate) fn limits(&self, parameters: StepParameters) -> HitLimits<Binary32> {
         let culls: Culls<Binary32> = self.flags().culls_of_opaque(Binary32, parameters.front);
-        HitLimits { t_min: self.t_min.into(), culls }
+        HitLimits { t_min: self.t_min.into(), culls, after: After::none() }
     }
 
     /// What a step knows of it.
     pub(crate) fn words(&self) -> RayWords<Binary32> {
-        let Self { root, t_max, flags, cull_mask, .. } = *self;
+        let Self { root, t_min, t_max, flags, cull_mask, .. } = *self;
         RayWords {
             root: Word::truncate(root),
+            t_min: t_min.into(),
             t_max: t_max.into(),
             any_hit: (flags & ray_flags::TERMINATE_ON_FIRST_HIT != 0).into(),
             flags: self.flags(),
@@ -207,10 +225,11 @@ pub(crate) fn quotient(a: Num<Binary32>, b: Num<Binary32>) -> Num<Binary32> {
     (f32::from(a) / f32::from(b)).into()
 }
 
-fn no_hit() -> TriangleHit<Binary32> {
+pub(crate) fn no_hit() -> TriangleHit<Binary32> {
     let (no, zero) = (false.into(), 0.0.into());
     TriangleHit {
         is_hit: no,
+        has_more: no,
         t: zero,
         t_num: zero,
         t_denom: zero,
@@ -232,5 +251,7 @@ fn nothing(kind: u32) -> Answer<Binary32> {
         box_index: [Word::truncate(0); 4],
         child: [none; 4],
         closest: no_hit(),
+        verdict_accepts: no,
+        verdict_ends: no,
     }
 }

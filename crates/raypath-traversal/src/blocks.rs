@@ -60,6 +60,8 @@ pub const BLOCK_BYTES: u32 = NodeKind::Wide4.block_bytes();
 pub const MAX_LEAF: u32 = 8;
 /// The last kind of a leaf.
 const LAST_LEAF: u32 = 2 * MAX_LEAF;
+/// The kinds of a leaf of a procedural box: of an opaque geometry, and of another.
+pub const BOX_KINDS: [u32; 2] = [17, 25];
 /// The words of 32 bits that a triangle's vertices take.
 pub const VERTEX_WORDS: usize = 9;
 /// The bounds of a box.
@@ -91,6 +93,14 @@ pub enum Child {
         /// Its geometry is opaque, as all are in a unit of [`Queries::None`](crate::Queries::None).
         is_opaque: bool,
     },
+    /// A procedural box, kind 17 or 25, in a unit of [`Queries::Full`](crate::Queries::Full). Its block has indices where
+    /// that of a triangle has them, and the box is that of the node above.
+    Box {
+        /// The address of its block.
+        address: u32,
+        /// Its geometry is opaque.
+        is_opaque: bool,
+    },
 }
 
 /// A triangle of a leaf.
@@ -114,7 +124,7 @@ pub struct Node {
 /// The error of a child word that is not valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "child word {word:#010x} has no valid kind, expected 0, 1 to 16{} in its low {} bits",
+    "child word {word:#010x} has no valid kind, expected 0, 1 to 17, 25{} in its low {} bits",
     if nodes.has_instances() { ", 32 or 33" } else { " or 32" },
     nodes.offset_bits()
 )]
@@ -136,6 +146,7 @@ impl Child {
             Self::None => 0,
             Self::Node { address } => address | NODE_KIND,
             Self::Instance { address } => address | INSTANCE_KIND,
+            Self::Box { address, is_opaque } => address | BOX_KINDS[usize::from(!is_opaque)],
             Self::Leaf { address, count, is_opaque } => address | (count + if is_opaque { 0 } else { MAX_LEAF }),
         };
         if Self::of(word, nodes) == Ok(self) { Ok(word) } else { Err(InvalidChild { word, nodes }) }
@@ -152,6 +163,7 @@ impl Child {
             0 if address == 0 => Ok(Self::None),
             NODE_KIND => Ok(Self::Node { address }),
             INSTANCE_KIND if nodes.has_instances() => Ok(Self::Instance { address }),
+            kind if BOX_KINDS.contains(&kind) => Ok(Self::Box { address, is_opaque: kind == BOX_KINDS[0] }),
             kind @ 1..=LAST_LEAF => {
                 Ok(Self::Leaf { address, count: (kind - 1) % MAX_LEAF + 1, is_opaque: kind <= MAX_LEAF })
             }

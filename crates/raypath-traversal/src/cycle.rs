@@ -47,6 +47,8 @@ pub enum RayPhase {
     Memory,
     /// The jobs of a block, or the next step.
     Jobs,
+    /// The verdict on a candidate.
+    Verdict,
     /// The channel of hits: the ray has ended.
     Ended,
 }
@@ -76,6 +78,7 @@ impl UnitModel {
                 AskedKind::Begin => RayPhase::SetUp,
                 AskedKind::Block if is_requesting[usize::from(context)] => RayPhase::Memory,
                 AskedKind::Block | AskedKind::Again => RayPhase::Jobs,
+                AskedKind::Verdict => RayPhase::Verdict,
                 AskedKind::Nothing => RayPhase::Ended,
             };
             RayInside { context: context.into(), id: self.contexts.id(context), phase, address }
@@ -93,18 +96,21 @@ impl UnitEngine for UnitModel {
     #[inline]
     fn outputs(&mut self) -> UnitOutputs {
         let Self { timing, contexts } = self;
-        let request = timing.request(contexts);
-        UnitOutputs { ray_ready: timing.ray_ready(), hit: timing.hit(), request, response_ready: true }
+        let (request, candidate) = (timing.request(contexts), timing.candidate());
+        let candidate = candidate.and_then(|tag| contexts.candidate(tag));
+        UnitOutputs { ray_ready: timing.ray_ready(), hit: timing.hit(), candidate, request, response_ready: true }
     }
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         // The steps of this cycle read the blocks before a beat of this cycle is written.
         let Self { timing, contexts } = self;
-        let UnitInputs { ray, hit_ready, request_ready, response } = inputs;
+        let UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response } = inputs;
         let arrived = response.as_ref().and_then(|response| contexts.arrive(response));
         let (hit_ready, request_ready) = (*hit_ready, *request_ready);
         let ray = ray.as_ref().filter(|_| timing.ray_ready());
-        timing.cycle(contexts, &Edge { ray, hit_ready, request_ready, arrived });
+        let decided = verdict.and_then(|(tag, verdict)| contexts.decide(tag, verdict));
+        let candidate_ready = *candidate_ready;
+        timing.cycle(contexts, &Edge { ray, hit_ready, candidate_ready, decided, request_ready, arrived });
     }
 
     fn reset(&mut self) {

@@ -4,7 +4,10 @@
 //! [`step`]: crate::step::step
 
 use crate::answers::{Answers, ReadyRay};
-use crate::blocks::{BLOCK_BYTES, BOX_WORDS, MAX_LEAF, NODE_KIND, Node, NodeKind, VERTEX_WORDS, geometry, word};
+use crate::blocks::{
+    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, MAX_LEAF, NODE_KIND, Node, NodeKind, VERTEX_WORDS, geometry, word,
+};
+use crate::candidate::{Candidate, Verdict};
 use crate::instance::{INSTANCE_KIND, Instance};
 use crate::model::{Hit, HitInstance, Memory, RayRequest, Reply};
 use crate::native::MAX_STACK;
@@ -49,6 +52,7 @@ impl Trail {
         parameters: StepParameters,
         memory: &(impl Memory + ?Sized),
         ray: &RayRequest,
+        decide: &mut dyn FnMut(&Candidate) -> Verdict,
     ) -> Option<Reply> {
         let ready = answers.ready(ray);
         let now = OneRay::new(&ready.ray)?;
@@ -57,10 +61,12 @@ impl Trail {
             parameters,
             memory,
             ray,
+            decide,
             ready,
             now,
             extent: ray.t_max,
             best: None,
+            best_is_box: false,
             nodes: 0,
             triangles: 0,
             instance: None,
@@ -72,8 +78,12 @@ impl Trail {
             Rules::Paper => descent.visit_all(Rules::Paper, self),
             Rules::Bounds(bits) => descent.visit_all(Rules::Bounds(bits), self),
         };
-        let Descent { best, nodes, triangles, .. } = descent;
-        let found = if best.is_some() { status::HIT } else { status::MISS };
+        let Descent { best, best_is_box, nodes, triangles, .. } = descent;
+        let found = match best {
+            None => status::MISS,
+            Some(_) if best_is_box => status::PROCEDURAL,
+            Some(_) => status::HIT,
+        };
         Some(Reply { status: end.err().unwrap_or(found), hit: best.filter(|_| end.is_ok()), nodes, triangles })
     }
 }
@@ -83,11 +93,13 @@ struct Descent<'d, M: ?Sized> {
     parameters: StepParameters,
     memory: &'d M,
     ray: &'d RayRequest,
+    decide: &'d mut dyn FnMut(&Candidate) -> Verdict,
     ready: ReadyRay,
     /// In the space of the instance, if the ray is in one.
     now: OneRay,
     extent: f32,
     best: Option<Hit>,
+    best_is_box: bool,
     nodes: u32,
     triangles: u32,
     /// The instance that the ray is in.
@@ -106,6 +118,8 @@ enum Target {
     Instance(u32),
     /// The address, the number of triangles, and whether their geometry is opaque.
     Leaf(u32, u32, bool),
+    /// The address, and whether the geometry is opaque.
+    Box(u32, bool),
     Invalid,
 }
 
@@ -169,6 +183,11 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                         return Ok(());
                     }
                 }
+                Target::Box(address, is_opaque) => {
+                    if self.procedural(address, is_opaque)? {
+                        return Ok(());
+                    }
+                }
                 Target::Invalid => return Err(status::SCENE),
             }
             // The next child of the deepest pending level, unless it is behind the hit.
@@ -214,6 +233,9 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
             kind if (1..=last_leaf).contains(&kind) => {
                 Target::Leaf(address, (kind - 1) % MAX_LEAF + 1, kind <= MAX_LEAF)
             }
+            kind if self.parameters.features.has_candidates() && BOX_KINDS.contains(&kind) => {
+                Target::Box(address, kind == BOX_KINDS[0])
+            }
             INSTANCE_KIND if level < LEVELS && may_enter => Target::Instance(address),
             _ => Target::Invalid,
         }
@@ -241,13 +263,19 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     /// Tests the triangles of a leaf. Returns whether the ray ends with their hit.
     #[inline(always)]
     fn leaf(&mut self, mut address: u32, mut left: u32, is_opaque: bool) -> Result<bool, u32> {
-        let Some(culls) = self.culls(is_opaque) else { return Ok(false) };
+        let Some((is_opaque, culls)) = self.culls(is_opaque, ray_flags::SKIP_TRIANGLES) else { return Ok(false) };
         loop {
             let count = left.min(self.parameters.node.triangles_per_block());
             let block = self.fetch(address, 0, count)?;
-            self.test_triangles(block, count, culls);
+            let found = self.found_in(block, count, culls);
+            let ends = if is_opaque || !self.parameters.features.has_candidates() {
+                found.for_each(|hit| self.commit_closer(hit));
+                self.has(ray_flags::TERMINATE_ON_FIRST_HIT) && self.best.is_some()
+            } else {
+                let found: Vec<Hit> = found.collect();
+                self.ask_about(found, address, count)?
+            };
             left -= count;
-            let ends = self.has(ray_flags::TERMINATE_ON_FIRST_HIT) && self.best.is_some();
             if ends || left == 0 {
                 return Ok(ends);
             }
@@ -255,51 +283,107 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         }
     }
 
-    /// Tests the triangles of a block.
+    /// The triangles of a block that are hit and count, by their places.
     #[inline(always)]
-    fn test_triangles(&mut self, block: &[u8], count: u32, [cull_back, cull_front]: [bool; 2]) {
+    fn found_in(
+        &self,
+        block: &[u8],
+        count: u32,
+        [cull_back, cull_front]: [bool; 2],
+    ) -> impl Iterator<Item = Hit> + use<M> {
         let number = |i: usize, k: usize| word(block, VERTEX_WORDS * i.min(count as usize - 1) + k);
         let found = self.now.triangles(self.answers.triangles(), |i, k| f32::from_bits(number(i, k)));
-        let t_min = self.ray.t_min;
-        let geometry = if self.parameters.features.has_flags() { geometry(block, self.parameters.node) } else { 0 };
-        let instance = self.instance.map(|Instance { index, custom_index, shader_offset, .. }| {
-            match self.parameters.features.has_flags() {
-                true => HitInstance { index, custom_index, shader_offset },
-                false => HitInstance { index, ..HitInstance::default() },
-            }
-        });
-        let instance = instance.and_then(HitInstance::or_none);
-        let is_flipped = self.is_flipped();
-        for i in (0..count as usize).filter(|i| found.hits >> i & 1 == 1) {
+        let indices: [u32; 3] = array_of!(i => word(block, self.parameters.node.index_word() + i));
+        let indices = if count == 1 { [indices[0]; 3] } else { indices };
+        let (t_min, is_flipped, of_block) = (self.ray.t_min, self.is_flipped(), self.indices(block));
+        let has_weights = self.parameters.features.barycentrics;
+        (0..count as usize).filter(move |i| found.hits >> i & 1 == 1).filter_map(move |i| {
             let (t, t_num, t_denom) = (found.t[i], found.t_num[i], found.t_denom[i]);
             let back_face = (t_denom < 0.0) != is_flipped;
             let is_culled = if back_face { cull_back } else { cull_front };
-            let primitive = word(block, self.parameters.node.index_word() + i);
-            let wins_tie = || {
-                let of = |instance: Option<HitInstance>| instance.map_or(NO_INSTANCE, |instance| instance.index);
-                let order = (of(instance), geometry, primitive);
-                self.best.as_ref().is_some_and(|best| order < (of(best.instance), best.geometry, best.primitive))
-            };
-            if t > t_min && !is_culled && (t < self.extent || (t == self.extent && wins_tie())) {
-                let has_weights = self.parameters.features.barycentrics;
-                let barycentric = has_weights.then(|| found.edges.map(|edge| edge[i] / t_denom));
-                self.best = Some(Hit { primitive, geometry, t, t_num, t_denom, back_face, barycentric, instance });
-                self.extent = t;
-                self.now.set_extent(t);
-            }
+            let barycentric = has_weights.then(|| found.edges.map(|edge| edge[i] / t_denom));
+            let hit = Hit { primitive: indices[i], t, t_num, t_denom, back_face, barycentric, ..of_block };
+            (t > t_min && !is_culled).then_some(hit)
+        })
+    }
+
+    /// The indices of the primitives of a block, but for their own.
+    #[inline(always)]
+    fn indices(&self, block: &[u8]) -> Hit {
+        let has_flags = self.parameters.features.has_flags();
+        let geometry = if has_flags { geometry(block, self.parameters.node) } else { 0 };
+        let instance = self.instance.map(|Instance { index, custom_index, shader_offset, .. }| match has_flags {
+            true => HitInstance { index, custom_index, shader_offset },
+            false => HitInstance { index, ..HitInstance::default() },
+        });
+        Hit { geometry, instance: instance.and_then(HitInstance::or_none), ..Hit::default() }
+    }
+
+    /// Commits an opaque hit if it is closer than the closest.
+    #[inline(always)]
+    fn commit_closer(&mut self, hit: Hit) {
+        let order = |hit: &Hit| {
+            let instance = hit.instance.map_or(NO_INSTANCE, |instance| instance.index);
+            (instance, hit.geometry, hit.primitive)
+        };
+        let wins_tie = || self.best.as_ref().is_some_and(|best| order(&hit) < order(best));
+        if hit.t < self.extent || (hit.t == self.extent && wins_tie()) {
+            self.commit(hit, false);
         }
     }
 
-    /// The back and the front faces are not hit, in a leaf of this opacity; none if no triangle is.
+    fn commit(&mut self, hit: Hit, is_box: bool) {
+        self.extent = hit.t;
+        self.now.set_extent(hit.t);
+        (self.best, self.best_is_box) = (Some(hit), is_box);
+    }
+
+    /// Asks about the triangles of a block that count, the closest first. Returns whether the ray ends. For each after
+    /// the first, the block is fetched once more.
+    fn ask_about(&mut self, mut found: Vec<Hit>, address: u32, count: u32) -> Result<bool, u32> {
+        found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
+        while let Some(&hit) = found.first().filter(|hit| hit.t < self.extent) {
+            let Verdict { accepts, ends, .. } = (self.decide)(&Candidate { hit, is_box: false, is_opaque: false });
+            if accepts {
+                self.commit(hit, false);
+            }
+            if ends || (accepts && self.has(ray_flags::TERMINATE_ON_FIRST_HIT)) {
+                return Ok(true);
+            }
+            if accepts || found.len() == 1 {
+                break;
+            }
+            self.fetch(address, 0, count)?;
+            found.retain(|other| (other.t, other.primitive) > (hit.t, hit.primitive));
+        }
+        Ok(false)
+    }
+
+    /// Asks about a procedural box. Returns whether the ray ends.
+    fn procedural(&mut self, address: u32, is_opaque: bool) -> Result<bool, u32> {
+        let Some((is_opaque, _)) = self.culls(is_opaque, ray_flags::SKIP_AABBS) else { return Ok(false) };
+        let block = self.fetch(address, 0, 1)?;
+        let indices = Hit { primitive: word(block, self.parameters.node.index_word()), ..self.indices(block) };
+        let Verdict { accepts, ends, t } = (self.decide)(&Candidate { hit: indices, is_box: true, is_opaque });
+        let accepts = accepts && self.ray.t_min <= t && t <= self.extent;
+        if accepts {
+            let barycentric = self.parameters.features.barycentrics.then_some([0.0; 2]);
+            self.commit(Hit { t, t_num: t, t_denom: 1.0, barycentric, ..indices }, true);
+        }
+        Ok(ends || (accepts && self.has(ray_flags::TERMINATE_ON_FIRST_HIT)))
+    }
+
+    /// Whether a leaf of this opacity counts as opaque, and whether its back and its front faces are culled; none if
+    /// nothing of it is hit. `skip` is the flag that skips what it holds.
     #[inline(always)]
-    fn culls(&self, is_opaque: bool) -> Option<[bool; 2]> {
+    fn culls(&self, is_opaque: bool, skip: u32) -> Option<(bool, [bool; 2])> {
         let of_instance = |flag: u32| self.instance.is_some_and(|instance| u32::from(instance.flags) & flag != 0);
         let (has_flags, has) = (self.parameters.features.has_flags(), |flag| self.has(flag));
         if !has_flags {
             // The triangles are tested all the same.
             let none = has(ray_flags::SKIP_TRIANGLES) || has(ray_flags::CULL_OPAQUE);
             let faces = [ray_flags::CULL_BACK_FACING_TRIANGLES, ray_flags::CULL_FRONT_FACING_TRIANGLES];
-            return Some(faces.map(|flag| none || has(flag)));
+            return Some((true, faces.map(|flag| none || has(flag))));
         }
         let is_opaque = match () {
             () if has(ray_flags::OPAQUE) => true,
@@ -309,12 +393,12 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
             () => is_opaque,
         };
         let is_skipped = has(if is_opaque { ray_flags::CULL_OPAQUE } else { ray_flags::CULL_NO_OPAQUE });
-        if is_skipped || has(ray_flags::SKIP_TRIANGLES) {
+        if is_skipped || has(skip) {
             return None;
         }
         let (back, front) = (ray_flags::CULL_BACK_FACING_TRIANGLES, ray_flags::CULL_FRONT_FACING_TRIANGLES);
         let culls = !of_instance(instance_flags::FACING_CULL_DISABLE);
-        Some([back, front].map(|flag| culls && has(flag)))
+        Some((is_opaque, [back, front].map(|flag| culls && has(flag))))
     }
 
     /// Whether the clockwise faces are front faces.

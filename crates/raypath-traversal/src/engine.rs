@@ -1,5 +1,6 @@
 //! What runs the unit cycle by cycle: its ports, and the simulated netlist behind them.
 
+use crate::candidate::{Candidate, Verdict};
 use crate::hardware::UnitNetlist;
 use crate::model::{Hit, HitInstance, RayRequest, Reply};
 use crate::query::Queries;
@@ -15,6 +16,10 @@ pub struct UnitInputs<'b> {
     pub ray: Option<(u64, RayRequest)>,
     /// Whether a hit is taken.
     pub hit_ready: bool,
+    /// Whether a candidate is taken.
+    pub candidate_ready: bool,
+    /// The verdict on a candidate, with its tag. It may come from the cycle after the candidate was taken on.
+    pub verdict: Option<(u32, Verdict)>,
     /// Whether a request is taken.
     pub request_ready: bool,
     /// A beat of the memory.
@@ -39,10 +44,23 @@ pub struct UnitOutputs {
     pub ray_ready: bool,
     /// The number of a ray that has ended, and its reply.
     pub hit: Option<(u64, Reply)>,
+    /// A candidate.
+    pub candidate: Option<AskedCandidate>,
     /// A request to the memory.
     pub request: Option<BlockRequest>,
     /// Whether a beat is taken, which is so in every cycle.
     pub response_ready: bool,
+}
+
+/// A candidate that waits for a verdict.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AskedCandidate {
+    /// The tag of the verdict.
+    pub tag: u32,
+    /// The number of the ray.
+    pub id: u64,
+    /// The candidate.
+    pub candidate: Candidate,
 }
 
 /// A request to the memory.
@@ -153,7 +171,11 @@ impl UnitPorts {
     /// The ports of a module that has those of a unit.
     pub fn of(top: &Module) -> Self {
         let has = |port: &str| top.port_width(port).is_some();
-        let queries = if has("hit_geometry_o") { Queries::Flags } else { Queries::None };
+        let queries = match (has("hit_geometry_o"), has("cand_valid_o")) {
+            (false, _) => Queries::None,
+            (true, false) => Queries::Flags,
+            (true, true) => Queries::Full,
+        };
         let features = UnitFeatures { barycentrics: has("hit_u_o"), instances: has("hit_instance_o"), queries };
         Self { widths: top.inputs().iter().map(|port| top.signal(port.signal).width).collect(), features }
     }
@@ -174,7 +196,17 @@ impl UnitPorts {
             }
             None => words.extend((0..RAY_PORTS + usize::from(has_mask)).map(|_| arbitrary())),
         }
-        words.extend([inputs.hit_ready, inputs.request_ready, inputs.response.is_some()].map(u64::from));
+        words.push(inputs.hit_ready.into());
+        if features.has_candidates() {
+            words.extend([inputs.candidate_ready, inputs.verdict.is_some()].map(u64::from));
+            match inputs.verdict {
+                Some((tag, Verdict { accepts, ends, t })) => {
+                    words.extend([tag.into(), accepts.into(), ends.into(), u64::from(t.to_bits())]);
+                }
+                None => words.extend((0..4).map(|_| arbitrary())),
+            }
+        }
+        words.extend([inputs.request_ready, inputs.response.is_some()].map(u64::from));
         match inputs.response {
             Some(Response { tag, is_error, beat }) => {
                 words.extend([u64::from(tag), is_error.into()]);
@@ -206,14 +238,40 @@ impl UnitPorts {
             }
         }
         hit.instance = instance.and_then(HitInstance::or_none);
-        let reply = Reply { status: end, hit: (end == status::HIT).then_some(hit), nodes, triangles };
+        let reply = Reply { status: end, hit: status::is_hit(end).then_some(hit), nodes, triangles };
+        let candidate = if self.features.has_candidates() { self.candidate(&mut word) } else { None };
         let (has_request, address, tag) = (word() == 1, word() as u32, word() as u32);
         UnitOutputs {
             ray_ready,
             hit: has_hit.then_some((id, reply)),
+            candidate,
             request: has_request.then_some(BlockRequest { address, tag }),
             response_ready: word() == 1,
         }
+    }
+}
+
+impl UnitPorts {
+    /// The candidate at the ports of its channel, whose words are these.
+    fn candidate(&self, word: &mut impl FnMut() -> u64) -> Option<AskedCandidate> {
+        let UnitFeatures { barycentrics, instances, .. } = self.features;
+        let number = |word: u64| f32::from_bits(word as u32);
+        let (is_valid, tag, id) = (word() == 1, word() as u32, word());
+        let (is_box, is_opaque) = (word() == 1, word() == 1);
+        let instance = instances.then(|| HitInstance {
+            index: word() as u32,
+            custom_index: word() as u32,
+            shader_offset: word() as u32,
+        });
+        let mut hit = Hit { instance: instance.and_then(HitInstance::or_none), ..Hit::default() };
+        (hit.t, hit.primitive, hit.geometry) = (number(word()), word() as u32, word() as u32);
+        (hit.t_num, hit.t_denom) = (number(word()), number(word()));
+        let weights = barycentrics.then(|| [number(word()), number(word())]);
+        hit.barycentric = weights.filter(|_| !is_box).map(|weights| weights.map(|weight| weight / hit.t_denom));
+        hit.back_face = word() == 1;
+        // The port that says that verdicts are taken.
+        word();
+        is_valid.then_some(AskedCandidate { tag, id, candidate: Candidate { hit, is_box, is_opaque } })
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod axi;
 mod blocks;
+mod candidates;
 mod channels;
 mod connect;
 mod contexts;

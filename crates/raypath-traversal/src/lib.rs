@@ -7,6 +7,7 @@
 
 mod answers;
 pub mod blocks;
+mod candidate;
 mod cycle;
 mod descent;
 mod engine;
@@ -26,13 +27,16 @@ pub mod traffic;
 mod walk;
 mod words;
 
+pub use candidate::{Candidate, Verdict};
 pub use cycle::{RayInside, RayPhase, UnitCounts, UnitModel};
-pub use engine::{BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, UnitPorts};
+pub use engine::{
+    AskedCandidate, BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, UnitPorts,
+};
 pub use error::UnitError;
-pub use fold::{HitLimits, fold};
+pub use fold::{After, HitLimits, fold};
 pub use hardware::{UnitNetlist, UnitParameter, UnitParameters, UnitParametersError, fixed_parameters};
 pub use instance::{INSTANCE_KIND, Instance, Row, Transform, TransformInput, TransformOutput};
-pub use model::{Hit, HitInstance, Memory, MemoryError, RayRequest, Reply, Unit};
+pub use model::{Hit, HitInstance, Memory, MemoryError, Query, RayRequest, Reply, Unit};
 pub use netlist::{Netlist, Value};
 pub use query::{
     Culls, Front, InstanceFlags, InstanceWords, ParseNameError, Queries, RayFlags, instance_flags, ray_flags,

@@ -1,6 +1,7 @@
 //! The functional model of the unit: a ray goes in, its hit comes out, without time.
 
 use crate::answers::{Answers, quotient};
+use crate::candidate::{Candidate, Verdict};
 use crate::descent::Trail;
 use crate::query::InstanceWords;
 use crate::state::{NO_INSTANCE, RayState, status};
@@ -133,23 +134,90 @@ impl Unit {
         Self { parameters, walk: Walk::new(&answers), trail: Trail::new(), answers }
     }
 
-    /// Traces a ray.
+    /// Traces a ray. Candidates have the verdict of [`Verdict::without_shaders`].
     pub fn trace(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
-        if let Some(reply) = self.trail.trace(&self.answers, self.parameters, memory, ray) {
-            return reply;
-        }
-        self.trace_by_steps(memory, ray)
+        self.trace_with(memory, ray, &mut Verdict::without_shaders)
     }
 
-    /// As [`trace`](Self::trace), step by step as the hardware does.
-    pub fn trace_by_steps(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
+    /// Traces a ray whose user decides about candidates.
+    pub fn trace_with(
+        &mut self,
+        memory: &(impl Memory + ?Sized),
+        ray: &RayRequest,
+        decide: &mut dyn FnMut(&Candidate) -> Verdict,
+    ) -> Reply {
+        if let Some(reply) = self.trail.trace(&self.answers, self.parameters, memory, ray, decide) {
+            return reply;
+        }
+        self.trace_by_steps(memory, ray, decide)
+    }
+
+    /// As [`trace_with`](Self::trace_with), step by step as the hardware does.
+    pub fn trace_by_steps(
+        &mut self,
+        memory: &(impl Memory + ?Sized),
+        ray: &RayRequest,
+        decide: &mut dyn FnMut(&Candidate) -> Verdict,
+    ) -> Reply {
         self.walk.begin(&self.answers, self.parameters, ray);
-        while self.walk.step(&self.answers, self.parameters, memory).kind != AskedKind::Nothing {}
+        while self.walk.step(&self.answers, self.parameters, memory).kind != AskedKind::Nothing {
+            if let Some(candidate) = self.walk.candidate(self.parameters) {
+                self.walk.decide(decide(&candidate));
+            }
+        }
         self.walk.reply(self.parameters)
+    }
+
+    /// A ray that waits for its user at each candidate.
+    pub fn query(&self, ray: &RayRequest) -> Query {
+        let mut walk = Walk::new(&self.answers);
+        walk.begin(&self.answers, self.parameters, ray);
+        Query { parameters: self.parameters, answers: self.answers, walk }
+    }
+}
+
+/// A ray that waits for its user at each candidate.
+#[derive(Debug, Clone)]
+pub struct Query {
+    parameters: StepParameters,
+    answers: Answers,
+    walk: Walk,
+}
+
+impl Query {
+    /// Goes on to the next candidate, or to the end of the ray, where there is none. The candidate before is ignored if
+    /// [`answer`](Self::answer) did not say otherwise.
+    pub fn proceed(&mut self, memory: &(impl Memory + ?Sized)) -> Option<Candidate> {
+        while self.walk.asked().kind != AskedKind::Nothing {
+            self.walk.step(&self.answers, self.parameters, memory);
+            self.walk.decide(Verdict::IGNORE);
+            if let Some(candidate) = self.walk.candidate(self.parameters) {
+                return Some(candidate);
+            }
+        }
+        None
+    }
+
+    /// Decides about the candidate.
+    pub fn answer(&mut self, verdict: Verdict) {
+        self.walk.decide(verdict);
+    }
+
+    /// The reply of a ray that has ended; none before.
+    pub fn reply(&self) -> Option<Reply> {
+        (self.walk.asked().kind == AskedKind::Nothing).then(|| self.walk.reply(self.parameters))
     }
 }
 
 impl HitInstance {
+    /// What a unit with these features reports of an instance.
+    pub(crate) fn of(words: InstanceWords<Binary32>, features: UnitFeatures) -> Option<Self> {
+        let InstanceWords { index, custom_index, shader_offset } = words;
+        let of_flags = |word: u32| if features.has_flags() { word } else { 0 };
+        let (custom_index, shader_offset) = (of_flags(custom_index.value), of_flags(shader_offset.value));
+        Self { index: index.value, custom_index, shader_offset }.or_none()
+    }
+
     /// It, unless its index is that of none.
     pub(crate) fn or_none(self) -> Option<Self> {
         (self.index != NO_INSTANCE).then_some(self)
@@ -160,19 +228,15 @@ impl Reply {
     /// The reply for a ray that ends in this state.
     pub(crate) fn of(state: &RayState<Binary32>, status: u32, features: UnitFeatures) -> Self {
         let weight = |numerator| quotient(numerator, state.t_denom).into();
-        let InstanceWords { index, custom_index, shader_offset } = state.hit_instance;
-        let of_flags = |word: u32| if features.has_flags() { word } else { 0 };
-        let (custom_index, shader_offset) = (of_flags(custom_index.value), of_flags(shader_offset.value));
-        let instance = HitInstance { index: index.value, custom_index, shader_offset };
-        let hit = (status == status::HIT).then(|| Hit {
+        let hit = status::is_hit(status).then(|| Hit {
             primitive: state.primitive.value,
-            geometry: of_flags(state.geometry.value),
+            geometry: if features.has_flags() { state.geometry.value } else { 0 },
             t: state.extent.into(),
             t_num: state.t_num.into(),
             t_denom: state.t_denom.into(),
             back_face: state.back_face.into(),
             barycentric: features.barycentrics.then(|| [weight(state.u_num), weight(state.v_num)]),
-            instance: instance.or_none(),
+            instance: HitInstance::of(state.hit_instance, features),
         });
         Self { status, hit, nodes: state.nodes.value, triangles: state.triangles.value }
     }

@@ -49,7 +49,7 @@ pub mod instance_flags {
 }
 
 /// What a unit does beside finding hits of opaque triangles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum Queries {
     /// Nothing: all triangles are opaque, of one geometry, and instances have an index alone.
     #[default]
@@ -57,6 +57,9 @@ pub enum Queries {
     /// Geometries are opaque or not and have an index. Instances have a mask, flags, a custom index and an offset into
     /// the shader table. A hit of a triangle that is not opaque is committed, as where there is no any-hit shader.
     Flags,
+    /// As flags, but hits of triangles that are not opaque are candidates, about which a shader decides. Geometries of
+    /// procedural boxes exist, and each of their boxes that a ray meets is a candidate.
+    Full,
 }
 
 /// The order of the vertices of a front face, as the ray's origin sees them in the space of the object.
@@ -96,7 +99,7 @@ macro_rules! names {
     };
 }
 
-names! { Queries { None = "none", Flags = "flags" } }
+names! { Queries { None = "none", Flags = "flags", Full = "full" } }
 names! { Front { CounterClockwise = "counter-clockwise", Clockwise = "clockwise" } }
 
 bundle! {
@@ -186,10 +189,10 @@ impl<C: WordCircuit> RayFlags<C> {
         self.opaque | (of_instance & !self.no_opaque)
     }
 
-    /// Whether triangles of this opacity are not hit.
+    /// Whether boxes or triangles of this opacity are not hit.
     #[inline(always)]
-    pub fn skip(self, is_opaque: Bit<C>) -> Bit<C> {
-        self.skip_triangles | is_opaque.select(self.cull_opaque, self.cull_no_opaque)
+    pub fn skip(self, is_box: Bit<C>, is_opaque: Bit<C>) -> Bit<C> {
+        is_box.select(self.skip_boxes, self.skip_triangles) | is_opaque.select(self.cull_opaque, self.cull_no_opaque)
     }
 
     /// The triangles that are not hit because of their face.

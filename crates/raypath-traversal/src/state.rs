@@ -22,6 +22,8 @@ pub mod answer {
     pub const ENTER: u32 = 6;
     /// The set-up refuses the ray in the space of an instance.
     pub const CANNOT_ENTER: u32 = 7;
+    /// What the user decides about a candidate.
+    pub const VERDICT: u32 = 8;
 }
 
 /// The kinds of a [`Request`].
@@ -32,6 +34,8 @@ pub mod request {
     pub const CONTINUE: u32 = 1;
     /// The ray is done.
     pub const DONE: u32 = 2;
+    /// The user's verdict on a candidate.
+    pub const CANDIDATE: u32 = 3;
 }
 
 /// The ways in which a ray ends.
@@ -40,6 +44,8 @@ pub mod status {
     pub const MISS: u32 = 0;
     /// It hits a triangle.
     pub const HIT: u32 = 1;
+    /// It hits a procedural box, as the user decided.
+    pub const PROCEDURAL: u32 = 2;
     /// The ray was refused: its direction cannot be inverted, a value is not finite, or its flags have no meaning.
     pub const REFUSED: u32 = 3;
     /// The memory reported an error.
@@ -48,6 +54,11 @@ pub mod status {
     pub const SCENE: u32 = 5;
     /// The ray has read as many nodes or triangles as it may.
     pub const LIMIT: u32 = 6;
+
+    /// Whether a ray that ends so has a hit.
+    pub const fn is_hit(status: u32) -> bool {
+        matches!(status, HIT | PROCEDURAL)
+    }
 }
 
 /// The index of what is in no instance.
@@ -58,6 +69,8 @@ bundle! {
     pub struct RayWords<C> {
         /// The child word of the root.
         pub root: Word<C, 32>,
+        /// The distance from which on hits of boxes count.
+        pub t_min: Num<C>,
         /// The distance below which hits count.
         pub t_max: Num<C>,
         /// The ray ends at the first block with a hit.
@@ -76,6 +89,8 @@ bundle! {
         pub flags: RayFlags<C>,
         /// The instances that count: those whose masks have a bit of it.
         pub cull_mask: Word<C, 8>,
+        /// The distance from which on hits of boxes count.
+        pub t_min: Num<C>,
         /// The child word of the root.
         pub root: Word<C, 32>,
 
@@ -93,6 +108,8 @@ bundle! {
         pub v_num: Num<C>,
         /// The ray meets its back face.
         pub back_face: Bit<C>,
+        /// It is a procedural box.
+        pub hit_is_box: Bit<C>,
         /// The index of the closest primitive.
         pub primitive: Word<C, 32>,
         /// The index of its geometry.
@@ -120,10 +137,14 @@ bundle! {
         /// The level at which such a descent takes the next child.
         pub target: Word<C, 7>,
 
-        /// The address of the next block of the leaf.
+        /// The address of the leaf's block that was fetched last.
         pub leaf_address: Word<C, 32>,
-        /// The triangles of the leaf that are not yet fetched.
+        /// The triangles in this block and those after it.
         pub leaf_left: Word<C, 4>,
+        /// The leaf counts as opaque.
+        pub leaf_is_opaque: Bit<C>,
+        /// The leaf is a procedural box.
+        pub leaf_is_box: Bit<C>,
 
         /// The path is inside an instance: jobs need the constants in its space.
         pub inside: Bit<C>,
@@ -149,6 +170,8 @@ bundle! {
     pub struct TriangleHit<C> {
         /// There is one.
         pub is_hit: Bit<C>,
+        /// There are further ones in its block.
+        pub has_more: Bit<C>,
         /// Its distance: the quotient of the two numbers below.
         pub t: Num<C>,
         /// The numerator of the distance.
@@ -170,7 +193,7 @@ bundle! {
     /// What a ray learns in a step.
     pub struct Answer<C> {
         /// One of [`answer`].
-        pub kind: Word<C, 3>,
+        pub kind: Word<C, 4>,
         /// Of a box job: whether the child at each place of the order is hit. Hits come first.
         pub hit: Flags<C, 4>,
         /// Of a box job: the distances at places 1 to 3 of that order. The child at place 0 is never kept.
@@ -179,8 +202,12 @@ bundle! {
         pub box_index: [Word<C, 2>; 4],
         /// Of a box job: the child words in the order of their numbers.
         pub child: [Word<C, 32>; 4],
-        /// Of the triangle jobs of a block: the closest hit.
+        /// Of the triangle jobs of a block: the closest hit. With a verdict, the candidate; a box has the user's distance.
         pub closest: TriangleHit<C>,
+        /// Of a verdict: the candidate becomes the closest hit, if it is in the ray's range.
+        pub verdict_accepts: Bit<C>,
+        /// Of a verdict: the ray ends.
+        pub verdict_ends: Bit<C>,
     }
 
     /// What a ray asks for after a step.
@@ -201,6 +228,8 @@ bundle! {
         pub group: Group<C>,
         /// To fetch triangles: those that are not hit.
         pub culls: Culls<C>,
+        /// To fetch: the block was fetched before, for a candidate that was ignored.
+        pub repeats: Bit<C>,
         /// When done: one of [`status`].
         pub status: Word<C, 3>,
     }
@@ -210,12 +239,13 @@ impl<C: WordCircuit> RayState<C> {
     /// The state of a ray that begins.
     #[inline(always)]
     pub fn begin(c: C, ray: RayWords<C>) -> Self {
-        let RayWords { root, t_max, any_hit, flags, cull_mask } = ray;
+        let RayWords { root, t_min, t_max, any_hit, flags, cull_mask } = ray;
         let (no, none) = (c.bit(false), Levels::none(c));
         Self {
             any_hit,
             flags,
             cull_mask,
+            t_min,
             root,
             extent: t_max,
             has_hit: no,
@@ -224,6 +254,7 @@ impl<C: WordCircuit> RayState<C> {
             u_num: c.zero(),
             v_num: c.zero(),
             back_face: no,
+            hit_is_box: no,
             primitive: c.word(0),
             geometry: c.word(0),
             hit_instance: InstanceWords::none(c),
@@ -238,6 +269,8 @@ impl<C: WordCircuit> RayState<C> {
             target: c.word(0),
             leaf_address: c.word(0),
             leaf_left: c.word(0),
+            leaf_is_opaque: no,
+            leaf_is_box: no,
             inside: no,
             instance: InstanceWords::none(c),
             instance_flags: InstanceFlags::none(c),
@@ -277,5 +310,5 @@ impl<C: Circuit> Select<C> for Group<C> {
 }
 
 select_fields! {
-    TriangleHit { is_hit, t, t_num, t_denom, u_num, v_num, is_clockwise, primitive, geometry }
+    TriangleHit { is_hit, has_more, t, t_num, t_denom, u_num, v_num, is_clockwise, primitive, geometry }
 }

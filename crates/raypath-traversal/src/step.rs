@@ -16,12 +16,12 @@
 //! the ray in the object's space. The ray leaves the instance when it takes a child of a level above, or begins again
 //! at the root.
 
-use crate::blocks::{MAX_LEAF, NODE_KIND, NodeKind};
+use crate::blocks::{BOX_KINDS, MAX_LEAF, NODE_KIND, NodeKind};
 use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
 use crate::query::{Front, InstanceFlags, InstanceWords, Queries};
 use crate::state::{Answer, Group, RayState, Request, answer, request, status};
 use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
-use raypath_ops::{Bit, Flags, Select, Word, array_of, bundle};
+use raypath_ops::{Bit, Flags, Num, Select, Word, array_of, bundle};
 
 /// The parameters of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +63,11 @@ impl UnitFeatures {
         self.queries != Queries::None
     }
 
+    /// Whether there are candidates.
+    pub(crate) fn has_candidates(self) -> bool {
+        self.queries == Queries::Full
+    }
+
     /// Whether the hardware has a field of the state, of an answer, of a request or of a hit, by a part of its name.
     pub(crate) fn has(self, field: &str) -> bool {
         let is_one_of = |parts: &[&str]| parts.iter().any(|part| field.contains(part));
@@ -70,10 +75,15 @@ impl UnitFeatures {
             && (self.instances || !is_one_of(&["inside", "instance", "cull_mask"]))
             && (self.has_flags()
                 || !is_one_of(&["flags_", "cull_mask", "culls_", "geometry", "custom_index", "shader_offset"]))
+            && (self.has_candidates() || !is_one_of(&CANDIDATES))
     }
 }
 
-/// The number of nodes and of triangles, each, after which a ray ends with [`status::ERROR`]. It bounds the work of a
+/// Parts of the names of fields that candidates need.
+const CANDIDATES: [&str; 9] =
+    ["t_min", "is_box", "leaf_is", "has_more", "verdict", "repeats", "asks", "after_", "accepted"];
+
+/// The number of nodes and of triangles, each, after which a ray ends with [`status::LIMIT`]. It bounds the work of a
 /// ray in a scene that is not a tree.
 pub const VISIT_LIMIT: u32 = 1 << 24;
 
@@ -94,10 +104,14 @@ bundle! {
         pub descends: Bit<C>,
         /// A second descent does not find its path again, because the ray has become shorter.
         pub is_lost: Bit<C>,
-        /// The next block of the same leaf is fetched.
+        /// A block of the same leaf is fetched: the next, or the same once more.
         pub leaf_continues: Bit<C>,
-        /// The ray ends with the first hit.
-        pub ends_by_any_hit: Bit<C>,
+        /// It is the same, for what comes after a candidate that was ignored.
+        pub repeats: Bit<C>,
+        /// The user is asked about a candidate.
+        pub asks: Bit<C>,
+        /// The ray ends with its first hit, or as the user decides.
+        pub ends: Bit<C>,
         /// The next child comes from the deepest pending level, if there is one.
         pub pops: Bit<C>,
         /// There is no pending level.
@@ -148,10 +162,19 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     let (enters, cannot_enter) = (may_enter & !is_masked, may_not & !is_masked);
     let failed = answer.kind.is(answer::ERROR) | is_refused | cannot_enter;
 
-    let state = with_hit(parameters, state, &answer, has_block);
-    let ends_by_any_hit = has_block & state.any_hit & state.has_hit;
-    let leaf_continues = has_block & !ends_by_any_hit & !state.leaf_left.is(0);
-    let leaf_ends = has_block & !ends_by_any_hit & state.leaf_left.is(0);
+    let no = c.bit(false);
+    let has_verdict = if features.has_candidates() { answer.kind.is(answer::VERDICT) } else { no };
+    let block = tested_block(parameters, &state, &answer, has_block, has_verdict);
+    let state = with_hit(parameters, state, &answer, block.commits);
+    let is_done = (has_block & !block.asks) | has_verdict;
+    let ends = (is_done & state.any_hit & state.has_hit) | (has_verdict & answer.verdict_ends);
+    let goes_on = is_done & !ends;
+    // After a hit that was accepted, no other of its block is closer.
+    let repeats = goes_on & has_verdict & !block.commits & !state.leaf_is_box & answer.closest.has_more;
+    let repeats = if features.has_candidates() && parameters.node.triangles_per_block() > 1 { repeats } else { no };
+    let has_next = c.word(parameters.node.triangles_per_block()).less(state.leaf_left);
+    let leaf_moves = goes_on & !repeats & has_next;
+    let leaf_ends = goes_on & !repeats & !has_next;
 
     // The child at `place` of the tested node, or the only child of an instance.
     let at_target = same(state.level, state.target);
@@ -173,8 +196,10 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
         cannot_enter,
         descends,
         is_lost,
-        leaf_continues,
-        ends_by_any_hit,
+        leaf_continues: leaf_moves | repeats,
+        repeats,
+        asks: block.asks,
+        ends,
         pops,
         is_empty: state.pending.is_empty(),
         is_on_stack: !deepest.less(state.base),
@@ -195,6 +220,9 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
             ),
             instance_flags: enters.select(InstanceFlags::of(offset_and_flags), state.instance_flags),
             instance_level: enters.select(state.level, state.instance_level),
+            leaf_address: leaf_moves
+                .select(state.leaf_address.plus_constant(parameters.node.block_bytes()), state.leaf_address),
+            leaf_left: leaf_moves.select(after_block(c, parameters.node, state.leaf_left), state.leaf_left),
             // The ray is on its path again where it takes the next child.
             restarting: state.restarting & !is_lost & !(descends & at_target),
             ..state
@@ -228,12 +256,14 @@ pub fn finish<C: WordCircuit>(
     let fetches_instance = visits & is_instance;
     let fetches_node = visits & target.is_node;
     let instance_flags = leaves_instance.select(InstanceFlags::none(c), state.instance_flags);
+    let is_opaque = state.flags.is_opaque(target.is_opaque, instance_flags);
     let skips_leaf = if parameters.features.has_flags() {
-        visits & target.is_leaf & state.flags.skip(state.flags.is_opaque(target.is_opaque, instance_flags))
+        visits & target.is_leaf & state.flags.skip(target.is_box, is_opaque)
     } else {
         c.bit(false)
     };
-    let fetches_leaf = (visits & target.is_leaf & !skips_leaf) | leaf_continues;
+    let begins_leaf = visits & target.is_leaf & !skips_leaf;
+    let fetches_leaf = begins_leaf | leaf_continues;
     let left = leaf_continues.select(state.leaf_left, target.count);
     let full = parameters.node.triangles_per_block();
     let count = left.less(c.word(full)).select(left.part::<0, 2>(), c.word(full));
@@ -243,7 +273,7 @@ pub fn finish<C: WordCircuit>(
     let is_over_limit = (fetches_node | fetches_instance | fetches_leaf) & is_over_limit;
     let is_invalid = visits & !target.is_node & !target.is_leaf & !is_instance;
     let errs = half.failed | is_invalid | is_over_limit;
-    let is_done = errs | half.ends_by_any_hit | (pops & is_empty);
+    let is_done = errs | half.ends | (pops & is_empty);
 
     let group = descends.select(half.rest, top.rest(c));
     let moves = descends | takes;
@@ -264,8 +294,10 @@ pub fn finish<C: WordCircuit>(
         target: restarts.select(deepest, state.target),
         nodes: (fetches_node | fetches_instance).select(state.nodes.plus_constant(1), state.nodes),
         triangles: fetches_leaf.select(state.triangles.plus(count.widened()), state.triangles),
-        leaf_address: fetches_leaf.select(address.plus_constant(parameters.node.block_bytes()), state.leaf_address),
-        leaf_left: fetches_leaf.select(without(c, left, count), state.leaf_left),
+        leaf_address: fetches_leaf.select(address, state.leaf_address),
+        leaf_left: fetches_leaf.select(left, state.leaf_left),
+        leaf_is_opaque: begins_leaf.select(is_opaque, state.leaf_is_opaque),
+        leaf_is_box: begins_leaf.select(target.is_box, state.leaf_is_box),
         inside,
         instance: leaves_instance.select(InstanceWords::none(c), state.instance),
         instance_flags,
@@ -275,7 +307,11 @@ pub fn finish<C: WordCircuit>(
         c.word(request::DONE),
         (drops | is_lost | skips_leaf).select(c.word(request::CONTINUE), c.word(request::FETCH)),
     );
-    let found = state.has_hit.select(c.word(status::HIT), c.word(status::MISS));
+    let kind =
+        if parameters.features.has_candidates() { half.asks.select(c.word(request::CANDIDATE), kind) } else { kind };
+    let of_box = if parameters.features.has_candidates() { state.hit_is_box } else { c.bit(false) };
+    let of_hit = of_box.select(c.word(status::PROCEDURAL), c.word(status::HIT));
+    let found = state.has_hit.select(of_hit, c.word(status::MISS));
     let of_scene = (is_invalid | half.cannot_enter).select(c.word(status::SCENE), c.word(status::LIMIT));
     let of_memory = (half.failed & !half.cannot_enter).select(c.word(status::MEMORY), of_scene);
     let failure = half.is_refused.select(c.word(status::REFUSED), of_memory);
@@ -288,20 +324,30 @@ pub fn finish<C: WordCircuit>(
         level: parent,
         group,
         culls: state.flags.culls(parameters.front, instance_flags),
+        repeats: half.repeats,
         status: errs.select(failure, found),
     };
     (next, request)
 }
 
-/// The state with the closest hit of a block: the closer one, of hits at equal distances that of the lower instance,
-/// geometry and index, in this order.
+/// What happens to the closest hit of a block.
+struct TestedBlock<C: WordCircuit> {
+    /// It becomes the closest hit of the ray.
+    commits: Bit<C>,
+    /// The user is asked about it.
+    asks: Bit<C>,
+}
+
+/// What happens to the closest hit of a block, or to the candidate that it was. An opaque hit is committed if it is
+/// closer, of hits at equal distances that of the lowest instance, geometry and index, in this order.
 #[inline(always)]
-fn with_hit<C: WordCircuit>(
+fn tested_block<C: WordCircuit>(
     parameters: StepParameters,
-    state: RayState<C>,
+    state: &RayState<C>,
     answer: &Answer<C>,
     has_block: Bit<C>,
-) -> RayState<C> {
+    has_verdict: Bit<C>,
+) -> TestedBlock<C> {
     let (hit, features) = (answer.closest, parameters.features);
     let distance = hit.t.compare(state.extent);
     let mut is_lower = hit.primitive.less(state.primitive);
@@ -314,12 +360,46 @@ fn with_hit<C: WordCircuit>(
     }
     // A hit at the ray's own end does not count.
     let wins_tie = state.has_hit & is_lower;
-    let is_better = has_block & hit.is_hit & (distance.less() | (distance.equal() & wins_tie));
-    let is_flipped = match parameters.front {
-        Front::CounterClockwise => state.instance_flags.flipped,
-        Front::Clockwise => !state.instance_flags.flipped,
+    let is_closer = has_block & hit.is_hit & (distance.less() | (distance.equal() & wins_tie));
+    if !features.has_candidates() {
+        return TestedBlock { commits: is_closer, asks: has_block.circuit.bit(false) };
+    }
+    let RayState { leaf_is_box: is_box, leaf_is_opaque, .. } = *state;
+    let is_in_range = distance.less_or_equal() & hit.t.compare(state.t_min).greater_or_equal();
+    let accepts = has_verdict & answer.verdict_accepts & (!is_box | is_in_range);
+    TestedBlock {
+        commits: (is_closer & leaf_is_opaque & !is_box) | accepts,
+        asks: has_block & (is_box | (hit.is_hit & distance.less() & !leaf_is_opaque)),
+    }
+}
+
+/// Whether a face is a back face, from the order of its vertices.
+#[inline(always)]
+pub(crate) fn is_back_face<C: WordCircuit>(front: Front, flags: InstanceFlags<C>, is_clockwise: Bit<C>) -> Bit<C> {
+    let is_flipped = match front {
+        Front::CounterClockwise => flags.flipped,
+        Front::Clockwise => !flags.flipped,
     };
-    let back_face = is_flipped.select(!hit.is_clockwise, hit.is_clockwise);
+    is_flipped.select(!is_clockwise, is_clockwise)
+}
+
+/// The state with a closest hit, if there is a new one. A box has its distance as a fraction, and no weights.
+#[inline(always)]
+fn with_hit<C: WordCircuit>(
+    parameters: StepParameters,
+    state: RayState<C>,
+    answer: &Answer<C>,
+    is_better: Bit<C>,
+) -> RayState<C> {
+    let (mut hit, c) = (answer.closest, is_better.circuit);
+    let mut back_face = is_back_face(parameters.front, state.instance_flags, hit.is_clockwise);
+    if parameters.features.has_candidates() {
+        let is_box = state.leaf_is_box;
+        (hit.t_num, hit.t_denom) =
+            (is_box.select(hit.t, hit.t_num), is_box.select(Num::new(c, c.constant(1.0)), hit.t_denom));
+        (hit.u_num, hit.v_num) = (is_box.select(c.zero(), hit.u_num), is_box.select(c.zero(), hit.v_num));
+        back_face = back_face & !is_box;
+    }
     RayState {
         extent: is_better.select(hit.t, state.extent),
         has_hit: state.has_hit | is_better,
@@ -328,6 +408,7 @@ fn with_hit<C: WordCircuit>(
         u_num: is_better.select(hit.u_num, state.u_num),
         v_num: is_better.select(hit.v_num, state.v_num),
         back_face: is_better.select(back_face, state.back_face),
+        hit_is_box: is_better.select(state.leaf_is_box, state.hit_is_box),
         primitive: is_better.select(hit.primitive, state.primitive),
         geometry: is_better.select(hit.geometry, state.geometry),
         hit_instance: is_better.select(state.instance, state.hit_instance),
@@ -382,6 +463,8 @@ struct Target<C: WordCircuit> {
     is_instance: Bit<C>,
     /// The geometry of a leaf is opaque.
     is_opaque: Bit<C>,
+    /// The leaf is a procedural box.
+    is_box: Bit<C>,
     address: Word<C, 32>,
     /// The number of triangles of a leaf.
     count: Word<C, 4>,
@@ -402,15 +485,25 @@ impl<C: WordCircuit> Target<C> {
         };
         let fits = level.less(c.word(LEVELS));
         let last = if features.has_flags() { 2 * MAX_LEAF } else { MAX_LEAF };
-        let is_leaf = !kind.is(0) & kind.less(c.word(last + 1));
-        let is_opaque = kind.less(c.word(MAX_LEAF + 1));
-        // Kinds 9 to 16 have the counts 1 to 8: their three lowest bits, where 0 stands for 8.
+        let is_triangles = !kind.is(0) & kind.less(c.word(last + 1));
+        let (opaque_box, other_box) = (kind.is(BOX_KINDS[0]), kind.is(BOX_KINDS[1]));
+        let is_box = if features.has_candidates() { opaque_box | other_box } else { c.bit(false) };
+        let is_opaque = kind.less(c.word(MAX_LEAF + 1)) | (opaque_box & is_box);
+        // The count of a leaf is in the three lowest bits of its kind, where 0 stands for 8.
         let lowest: Word<C, 3> = child.part::<0, 3>();
         let lowest = Word::new(c, c.word_join((1, c.word_of_bit(lowest.is(0).value)), (3, lowest.value)));
         let count = if features.has_flags() { lowest } else { child.part::<0, 4>() };
         let address = Word::new(c, c.word_join((32 - low, part(low, 32 - low)), (low, c.constant_word(low, 0))));
         let is_instance = fits & kind.is(INSTANCE_KIND);
-        Self { is_node: fits & kind.is(NODE_KIND), is_leaf, is_instance, is_opaque, address, count }
+        Self {
+            is_node: fits & kind.is(NODE_KIND),
+            is_leaf: is_triangles | is_box,
+            is_instance,
+            is_opaque,
+            is_box,
+            address,
+            count,
+        }
     }
 }
 
@@ -428,11 +521,10 @@ fn lowest_kept<C: WordCircuit>(c: C, level: Word<C, 7>, stack: u32) -> Word<C, 7
     is_shallow.select(c.word(0), level.plus_constant(128 - (stack - 1)))
 }
 
-/// `left` less `count`, which is at most `left`.
+/// The triangles that are left of a leaf after a full block.
 #[inline(always)]
-fn without<C: WordCircuit>(c: C, left: Word<C, 4>, count: Word<C, 2>) -> Word<C, 4> {
-    let count: Word<C, 4> = count.widened();
-    left.plus(Word::new(c, c.word_not(4, count.value)).plus_constant(1))
+fn after_block<C: WordCircuit>(c: C, node: NodeKind, left: Word<C, 4>) -> Word<C, 4> {
+    left.plus(c.word(16 - node.triangles_per_block()))
 }
 
 #[inline(always)]

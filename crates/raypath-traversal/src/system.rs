@@ -12,6 +12,7 @@ use cache::Cache;
 pub use cache::{CacheError, CacheParameters};
 use raypath_model::Shape;
 use std::collections::VecDeque;
+use std::mem::replace;
 
 /// The memory behind the unit's port.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +69,8 @@ impl SystemTiming {
 }
 
 /// Simulates the cycle-exact model of a unit, whose datapath has this shape, until the user has no rays left and all
-/// have ended. Hits are taken at once.
+/// have ended. Hits are taken at once, and candidates have the verdict of
+/// [`Verdict::without_shaders`](crate::Verdict::without_shaders) in the next cycle.
 pub fn simulate<M: Memory + ?Sized>(
     shape: &Shape,
     unit: UnitParameters,
@@ -81,17 +83,18 @@ pub fn simulate<M: Memory + ?Sized>(
     let mut unit = Timing::new(shape, unit);
     let mut timing = SystemTiming::default();
     let (mut now, mut in_flight) = (0, 0);
-    let mut ray = None;
+    // The verdict on a candidate comes in the cycle after it is taken.
+    let (mut ray, mut decided) = (None, None);
     loop {
         if ray.is_none() {
             ray = user.next_ray();
         }
         let beat = memory.beat(scene, now);
-        let (hit, request) = (unit.hit(), unit.request(&contexts));
+        let (hit, request, candidate) = (unit.hit(), unit.request(&contexts), unit.candidate());
         let enters = ray.is_some() & unit.ray_ready();
-        let is_quiet = !enters & hit.is_none() & request.is_none() & beat.is_none();
+        let is_quiet = !enters & hit.is_none() & request.is_none() & candidate.is_none() & beat.is_none();
         let due = memory.next_due();
-        if is_quiet && due != NEVER {
+        if is_quiet && decided.is_none() && due != NEVER {
             let skipped = unit.idle(due.saturating_sub(now));
             if skipped > 0 {
                 timing.ray_cycles += in_flight * skipped;
@@ -118,7 +121,14 @@ pub fn simulate<M: Memory + ?Sized>(
         });
         unit.cycle(
             &mut contexts,
-            &Edge { ray: ray.as_ref().filter(|_| enters), hit_ready: true, request_ready: true, arrived },
+            &Edge {
+                ray: ray.as_ref().filter(|_| enters),
+                hit_ready: true,
+                candidate_ready: true,
+                decided: replace(&mut decided, candidate),
+                request_ready: true,
+                arrived,
+            },
         );
         if enters {
             ray = None;

@@ -10,7 +10,10 @@ pub use scatter::invalid_child;
 pub use scene::{BlockScene, never, random_ray};
 pub use two_level::TwoLevelScene;
 
-use crate::{BlockRequest, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitOutputs, UnitParameters};
+use crate::{
+    AskedCandidate, BlockRequest, Candidate, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitOutputs,
+    UnitParameters, Verdict,
+};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::collections::BTreeMap;
@@ -56,6 +59,9 @@ pub struct Environment<'s> {
     offers: bool,
     /// The hit and the request that wait.
     held: (Option<(u64, Reply)>, Option<BlockRequest>),
+    /// The candidate that waits, and verdicts with the cycle from which on they are given.
+    held_candidate: Option<AskedCandidate>,
+    verdicts: Vec<(u64, u32, Verdict)>,
     /// How many rays were inside at resets.
     lost: usize,
     latencies: BTreeMap<u64, u64>,
@@ -99,6 +105,8 @@ impl<'s> Environment<'s> {
             next: 0,
             offers: false,
             held: (None, None),
+            held_candidate: None,
+            verdicts: Vec::new(),
             replies: BTreeMap::new(),
             lost: 0,
             latencies: BTreeMap::new(),
@@ -149,7 +157,8 @@ impl<'s> Environment<'s> {
         self.lost += self.inside.len();
         self.inside.clear();
         self.held = (None, None);
-        self.offers = false;
+        (self.held_candidate, self.offers) = (None, false);
+        self.verdicts.clear();
         self.now += 1;
     }
 
@@ -171,6 +180,9 @@ impl<'s> Environment<'s> {
         if hit.is_some() && hit.map(same) != outputs.hit.map(same) || request.is_some() && *request != outputs.request {
             return Err(wrong(format!("cycle {now}: {:?} waits and becomes {outputs:?}", self.held)));
         }
+        if self.held_candidate.is_some() && self.held_candidate != outputs.candidate {
+            return Err(wrong(format!("cycle {now}: {:?} waits and becomes {outputs:?}", self.held_candidate)));
+        }
         for (until, share) in self.stalled.iter_mut().zip(self.behaviour.stalls) {
             if *until <= now && self.random.random_range(0..256) < share {
                 *until = now + self.random.random_range(1..=self.longest_stall);
@@ -184,6 +196,9 @@ impl<'s> Environment<'s> {
         self.offers |= !stalls[0] && self.next < self.rays.len() && !self.inside.contains_key(&id);
         let ray = self.offers.then(|| (self.next as u64, self.rays[self.next]));
         let (hit_ready, request_ready) = (!stalls[1], !stalls[2]);
+        let candidate_ready = outputs.candidate.is_some() && self.random.random();
+        let due = self.verdicts.iter().position(|(due, ..)| *due <= now);
+        let verdict = due.map(|place| self.verdicts.swap_remove(place)).map(|(_, tag, verdict)| (tag, verdict));
         let due: Vec<usize> = (0..self.pending.len()).filter(|&k| self.pending[k].due <= now).collect();
         let chosen = (!stalls[3] && !due.is_empty()).then(|| due[self.random.random_range(0..due.len())]);
         let is_error = self.random.random_range(0..65_536) < self.behaviour.errors;
@@ -193,7 +208,7 @@ impl<'s> Environment<'s> {
             beat.extend(&block[number * beat_bytes..][..beat_bytes]);
             Response { tag: *tag, is_error: is_error || *is_missing, beat: &beat }
         });
-        let inputs = UnitInputs { ray, hit_ready, request_ready, response };
+        let inputs = UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response };
         engines.iter_mut().for_each(|engine| engine.cycle(&inputs));
 
         if let Some(k) = chosen {
@@ -209,6 +224,12 @@ impl<'s> Environment<'s> {
             self.inside.insert(id, (self.next as u64, now));
             self.next += 1;
             self.offers = false;
+        }
+        self.held_candidate = outputs.candidate.filter(|_| !candidate_ready);
+        if let (Some(AskedCandidate { tag, candidate, .. }), true) = (outputs.candidate, candidate_ready) {
+            let due = now + [1, 2, 30][self.random.random_range(0..3)];
+            self.verdicts.push((due, tag, verdict_of(&candidate)));
+            self.moved = now;
         }
         self.held = (outputs.hit.filter(|_| !hit_ready), outputs.request.filter(|_| !request_ready));
         self.take(outputs, hit_ready, request_ready)?;
@@ -249,6 +270,18 @@ impl<'s> Environment<'s> {
         }
         Ok(())
     }
+}
+
+/// A verdict that depends on the indices of the candidate alone: each of those that there are.
+pub fn verdict_of(candidate: &Candidate) -> Verdict {
+    let Candidate { hit, is_box, .. } = candidate;
+    let instance = hit.instance.map_or(7, |instance| instance.index);
+    let mixed = [hit.primitive, hit.geometry, instance]
+        .into_iter()
+        .fold(0_u32, |mixed, index| (mixed ^ index).wrapping_mul(0x9e37_79b9).rotate_left(13));
+    // A box is often at a distance that does not count.
+    let t = if *is_box { [0.5, 1.5, 3.0, f32::NAN, 100.0, -1.0][mixed as usize / 64 % 6] } else { 0.0 };
+    Verdict { accepts: mixed % 8 < 3, ends: mixed / 8 % 16 == 0, t }
 }
 
 /// A hit in words, which are equal for equal NaN.

@@ -1,14 +1,14 @@
 //! A ray on its way through a scene, without time.
 
-use crate::answers::{Answers, ReadyRay};
+use crate::answers::{Answers, ReadyRay, no_hit, quotient};
 use crate::blocks::NodeKind;
-use crate::fold::HitLimits;
-use crate::model::{Memory, RayRequest, Reply};
+use crate::candidate::{Candidate, Verdict};
+use crate::fold::{After, HitLimits};
+use crate::model::{Hit, HitInstance, Memory, RayRequest, Reply};
 use crate::native::{self, Stack, empty_stack};
-use crate::query::Culls;
 use crate::set_up::Entry;
-use crate::state::{Answer, RayState, Request, request, status};
-use crate::step::{StepParameters, UnitFeatures};
+use crate::state::{Answer, RayState, Request, TriangleHit, request, status};
+use crate::step::{StepParameters, UnitFeatures, is_back_face};
 use raypath_model::{State, StateWords, state};
 use raypath_ops::{Binary32, Vec3};
 
@@ -23,6 +23,9 @@ pub(crate) struct Walk {
     stack: Stack,
     asked: Asked,
     status: u32,
+    /// The closest hit of the last block, and what the user decided about it, if it was a candidate.
+    closest: TriangleHit<Binary32>,
+    verdict: Verdict,
 }
 
 /// What a ray asks for after a step.
@@ -50,22 +53,26 @@ pub(crate) enum AskedKind {
     Nothing,
     /// To begin.
     Begin,
+    /// The verdict on a candidate.
+    Verdict,
 }
 
 impl Walk {
     /// A ray that has ended.
     pub fn new(answers: &Answers) -> Self {
-        let (zero, no) = (0.0.into(), false.into());
+        let zero = 0.0.into();
         let origin = Vec3 { x: zero, y: zero, z: zero };
         let ready = answers.set_up(&Entry { origin, dir: origin, t_min: zero, t_max: zero });
         Self {
             outside: ready,
             inside: ready,
-            limits: HitLimits { t_min: zero, culls: Culls { clockwise: no, counter_clockwise: no } },
+            limits: RayRequest::NONE.limits(StepParameters::default()),
             state: RayState::begin(Binary32, RayRequest::NONE.words()),
             stack: empty_stack(),
             asked: Asked::NOTHING,
             status: status::MISS,
+            closest: no_hit(),
+            verdict: Verdict::IGNORE,
         }
     }
 
@@ -95,6 +102,10 @@ impl Walk {
         match block.kind {
             AskedKind::Block => {}
             AskedKind::Begin => return self.advance(parameters, Answers::begin(&self.outside)),
+            AskedKind::Verdict => {
+                let answer = Answers::verdict(self.closest, self.state.leaf_is_box.into(), self.verdict);
+                return self.advance(parameters, answer);
+            }
             AskedKind::Again | AskedKind::Nothing => return self.advance(parameters, Answers::again()),
         }
         let ready = if self.state.inside.into() { &self.inside } else { &self.outside };
@@ -108,7 +119,9 @@ impl Walk {
                 self.advance(parameters, answers.node(parameters.node, ready, self.state.extent, bytes))
             }
             Ok(bytes) => {
-                self.advance(parameters, answers.leaf(parameters.node, ready, self.limits, bytes, block.count.into()))
+                let answer = answers.leaf(parameters.node, ready, self.limits, bytes, block.count.into());
+                self.closest = answer.closest;
+                self.advance(parameters, answer)
             }
             Err(_) => self.advance(parameters, Answers::failure()),
         }
@@ -121,10 +134,43 @@ impl Walk {
         self.status = request.status.value;
         if parameters.features.has_flags() {
             self.limits.culls = request.culls;
+            let TriangleHit { t, primitive, .. } = self.closest;
+            self.limits.after = After { is_set: request.repeats, t, primitive };
         }
         self.asked = Asked::of(&request);
         self.asked.restarts = (self.state.restarting & !was_restarting).into();
         self.asked
+    }
+
+    /// Decides about the candidate that it asks about.
+    pub fn decide(&mut self, verdict: Verdict) {
+        self.verdict = verdict;
+    }
+
+    /// The candidate that it asks about.
+    pub fn candidate(&self, parameters: StepParameters) -> Option<Candidate> {
+        let (RayState { leaf_is_box, leaf_is_opaque, instance_flags, instance, .. }, hit) = (self.state, self.closest);
+        if self.asked.kind != AskedKind::Verdict {
+            return None;
+        }
+        let indices = Hit {
+            primitive: hit.primitive.value,
+            geometry: hit.geometry.value,
+            instance: HitInstance::of(instance, parameters.features),
+            ..Hit::default()
+        };
+        let weight = |numerator| quotient(numerator, hit.t_denom).into();
+        let barycentrics = parameters.features.barycentrics;
+        let of_triangle = Hit {
+            t: hit.t.into(),
+            t_num: hit.t_num.into(),
+            t_denom: hit.t_denom.into(),
+            back_face: is_back_face(parameters.front, instance_flags, hit.is_clockwise).into(),
+            barycentric: barycentrics.then(|| [weight(hit.u_num), weight(hit.v_num)]),
+            ..indices
+        };
+        let (is_box, is_opaque) = (leaf_is_box.into(), leaf_is_opaque.into());
+        Some(Candidate { hit: if is_box { indices } else { of_triangle }, is_box, is_opaque })
     }
 
     /// What it asks for.
@@ -143,13 +189,13 @@ state! { Asked { kind, count, is_instance, restarts, address } }
 
 impl State for AskedKind {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        words.one_of(self, &[Self::Block, Self::Again, Self::Nothing, Self::Begin]);
+        words.one_of(self, &[Self::Block, Self::Again, Self::Nothing, Self::Begin, Self::Verdict]);
     }
 }
 
 impl State for Walk {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        let Self { outside, inside, limits, state, stack, asked, status } = self;
+        let Self { outside, inside, limits, state, stack, asked, status, closest, verdict } = self;
         for ReadyRay { ray, is_refused } in [outside, inside] {
             words.bundle(ray);
             is_refused.pass(words);
@@ -159,12 +205,14 @@ impl State for Walk {
         stack.iter_mut().for_each(|group| words.bundle(group));
         asked.pass(words);
         status.pass(words);
+        words.bundle(closest);
+        verdict.pass(words);
     }
 }
 
 impl AskedKind {
     /// The number of kinds.
-    pub const COUNT: usize = 4;
+    pub const COUNT: usize = 5;
 }
 
 impl Asked {
@@ -178,6 +226,7 @@ impl Asked {
         let kind = match asked.kind.value {
             request::FETCH => AskedKind::Block,
             request::CONTINUE => AskedKind::Again,
+            request::CANDIDATE => AskedKind::Verdict,
             _ => AskedKind::Nothing,
         };
         let (count, is_instance) = (asked.count.value as u8, asked.is_instance.into());

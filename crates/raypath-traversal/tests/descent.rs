@@ -4,8 +4,8 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::{BoxBits, Rules};
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::traffic::{BlockScene, TwoLevelScene, random_ray};
-use raypath_traversal::{Front, Queries, RayRequest, StepParameters, Unit, UnitFeatures};
+use raypath_traversal::traffic::{BlockScene, TwoLevelScene, random_ray, verdict_of};
+use raypath_traversal::{Candidate, Front, Queries, RayRequest, StepParameters, Unit, UnitFeatures};
 
 const RULES: [Rules; 3] = [Rules::Paper, Rules::Bounds(BoxBits(8)), Rules::Bounds(BoxBits::DEFAULT)];
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
@@ -13,7 +13,7 @@ const INSTANCES: UnitFeatures = UnitFeatures { instances: true, ..UnitFeatures::
 
 #[test]
 fn rays_take_the_way_of_the_steps() {
-    let (mut ends, mut rereads) = ([0; 7], 0);
+    let (mut ends, mut rereads, mut candidates) = ([0; 7], 0, 0);
     for seed in 0..120 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let node = NodeKind::ALL[random.random_range(0..2)];
@@ -32,9 +32,8 @@ fn rays_take_the_way_of_the_steps() {
             }
         };
         let mut scene = scene;
-        let is_varied = random.random();
-        let root = if is_varied { scene.give_geometries(root, &mut random) } else { root };
-        let queries = if is_varied { Queries::Flags } else { Queries::None };
+        let queries = [Queries::None, Queries::Flags, Queries::Full, Queries::Full][random.random_range(0..4)];
+        let root = scene.give_geometries(root, queries, &mut random);
         let front = [Front::CounterClockwise, Front::Clockwise][random.random_range(0..2)];
         let step = StepParameters { node: scene.1, front, features: UnitFeatures { queries, ..features }, stack: 32 };
         let rules = RULES[random.random_range(0..RULES.len())];
@@ -45,14 +44,25 @@ fn rays_take_the_way_of_the_steps() {
             let mut unit = Unit::new(rules, StepParameters { stack, ..step });
             let mut endless = Unit::new(rules, step);
             for ray in &rays {
-                let (found, expected) = (unit.trace(bytes, ray), unit.trace_by_steps(bytes, ray));
+                let mut asked = [Vec::new(), Vec::new()];
+                let [mut first, mut second] = asked.each_mut().map(|asked| {
+                    |candidate: &Candidate| {
+                        asked.push(*candidate);
+                        verdict_of(candidate)
+                    }
+                });
+                let (found, expected) =
+                    (unit.trace_with(bytes, ray, &mut first), unit.trace_by_steps(bytes, ray, &mut second));
+                assert_eq!(format!("{:?}", asked[0]), format!("{:?}", asked[1]), "seed {seed}, {ray:?}");
+                candidates += asked[0].len();
                 assert_eq!(format!("{found:?}"), format!("{expected:?}"), "seed {seed}, stack {stack}, {ray:?}");
                 ends[found.status as usize] += 1;
-                rereads += u32::from(found.nodes > endless.trace(bytes, ray).nodes);
+                rereads += u32::from(found.nodes > endless.trace_with(bytes, ray, &mut verdict_of).nodes);
             }
         }
     }
-    let [misses, hits, _, refused, memory, scene, _] = ends;
+    let [misses, hits, procedural, refused, memory, scene, _] = ends;
+    assert!(candidates > 1000 && procedural > 100, "{candidates} candidates, {ends:?}");
     assert!(misses > 1000 && hits > 1000 && refused > 100 && memory > 100 && scene > 50, "{ends:?}");
     assert!(rereads > 1000, "{rereads}");
 }

@@ -277,7 +277,7 @@ fn an_instance_takes_as_many_cycles_as_documented() {
         waiting = unit.outputs().request;
         requested.extend(waiting.map(|_| cycle));
         let ray = (cycle == 0).then(|| (0, along_z(root)));
-        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat });
+        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat, ..UnitInputs::default() });
     }
     assert_eq!(requested[1] - requested[0] - 1, 39);
 }

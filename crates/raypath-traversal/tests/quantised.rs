@@ -216,7 +216,7 @@ fn a_fetch_takes_as_many_cycles_as_documented() {
         });
         due = asked;
         let ray = (cycle == 0).then_some((0, request));
-        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat });
+        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat, ..UnitInputs::default() });
     }
     // The block arrives in the cycle after its request.
     let gaps: Vec<i32> = events.windows(2).map(|pair| pair[1] - pair[0] - 1).collect();

@@ -9,10 +9,10 @@ use raypath_traversal::blocks::{Child, LeafTriangle, NodeKind};
 use raypath_traversal::state::status;
 use raypath_traversal::traffic::{BlockScene, never, random_ray};
 use raypath_traversal::{
-    Front, HitInstance, Instance, Queries, RayRequest, StepParameters, Unit, UnitFeatures, instance_flags, ray_flags,
+    Candidate, Front, Hit, HitInstance, Instance, Queries, RayRequest, StepParameters, Unit, UnitFeatures, Verdict,
+    instance_flags, ray_flags,
 };
-
-const FEATURES: UnitFeatures = UnitFeatures { instances: true, queries: Queries::Flags, ..UnitFeatures::OFF };
+use std::collections::BTreeSet;
 
 /// A geometry of one leaf.
 #[derive(Debug, Clone)]
@@ -76,6 +76,7 @@ struct Met {
     geometry: u32,
     primitive: u32,
     back_face: bool,
+    is_opaque: bool,
 }
 
 /// The triangles that count, where the ray meets their planes.
@@ -131,6 +132,7 @@ fn met(objects: &[Object], ray: &RayRequest, front: Front) -> Vec<Met> {
                         geometry: *index,
                         primitive: *primitive,
                         back_face: !is_front,
+                        is_opaque,
                     });
                 }
             }
@@ -150,7 +152,7 @@ fn random_objects(random: &mut ChaCha8Rng) -> Vec<Object> {
     };
     (0..random.random_range(1..9))
         .map(|index| {
-            let geometries = (0..random.random_range(1..5)).map(|index| geometry(index, random)).collect();
+            let geometries = (0..random.random_range(1..5)).map(|place| geometry(8 * index + place, random)).collect();
             let mut row = || {
                 let linear: [f64; 3] = std::array::from_fn(|_| random.random_range(-0.9..0.9));
                 [linear[0], linear[1], linear[2], random.random_range(-1.0..1.0)]
@@ -173,16 +175,25 @@ fn random_objects(random: &mut ChaCha8Rng) -> Vec<Object> {
 fn hits_are_those_of_the_rules() {
     const NEAR: f64 = 1e-4;
     let mut random = ChaCha8Rng::seed_from_u64(5);
-    let (mut rays, mut certain, mut hits, mut in_instances) = (0, 0, 0, 0);
-    for number in 0..150 {
+    let (mut rays, mut certain, mut hits, mut in_instances, mut candidates) = (0, 0, 0, 0, 0);
+    let is_accepted = |primitive: u32| primitive.is_multiple_of(2);
+    for number in 0..200 {
         let mut objects = random_objects(&mut random);
         let (scene, root) = scene_of(&mut objects);
         let front = [Front::CounterClockwise, Front::Clockwise][number % 2];
-        let step = StepParameters { stack: 4, features: FEATURES, front, ..StepParameters::default() };
+        let queries = [Queries::Flags, Queries::Full][number / 2 % 2];
+        let features = UnitFeatures { instances: true, queries, ..UnitFeatures::OFF };
+        let stack = [2, 4, 8, 32][number / 4 % 4];
+        let step = StepParameters { stack, features, front, ..StepParameters::default() };
         let mut unit = Unit::new(Rules::Paper, step);
         for _ in 0..100 {
             let ray = RayRequest { cull_mask: random.random_range(1..8), ..random_ray(root, &mut random) };
-            let reply = unit.trace(&scene.0[..], &ray);
+            let mut asked = Vec::new();
+            let reply = unit.trace_with(&scene.0[..], &ray, &mut |candidate: &Candidate| {
+                let Hit { instance, geometry, primitive, back_face, .. } = candidate.hit;
+                asked.push((instance, geometry, primitive, back_face));
+                Verdict { accepts: is_accepted(primitive), ..Verdict::IGNORE }
+            });
             assert!(reply.status <= status::REFUSED, "{reply:?}");
             let ends = ray.flags & ray_flags::TERMINATE_ON_FIRST_HIT != 0;
             if reply.status == status::REFUSED {
@@ -198,6 +209,20 @@ fn hits_are_those_of_the_rules() {
                 continue;
             }
             certain += 1;
+            if queries == Queries::Full {
+                let all: BTreeSet<_> = asked.iter().map(|asked| format!("{asked:?}")).collect();
+                assert_eq!(all.len(), asked.len(), "{ray:?}: asked twice about one of {asked:?}");
+                let mut met_candidates = 0;
+                let end = reply.hit.map_or(f64::INFINITY, |hit| f64::from(hit.t));
+                for met in near.iter().filter(|met| !met.is_opaque) {
+                    let name = format!("{:?}", (met.instance, met.geometry, met.primitive, met.back_face));
+                    assert!(ends || met.t > end - NEAR || all.contains(&name), "{ray:?}: not asked about {met:?}");
+                    met_candidates += usize::from(all.contains(&name));
+                }
+                candidates += met_candidates;
+                assert_eq!(met_candidates, asked.len(), "{ray:?}: asked about one that it does not meet");
+                near.retain(|met| met.is_opaque || is_accepted(met.primitive));
+            }
             let found = reply.hit.map(|hit| (hit.instance, hit.geometry, hit.primitive, hit.back_face));
             let mut allowed = near.iter().map(|met| (met.instance, met.geometry, met.primitive, met.back_face));
             if ends {
@@ -210,6 +235,7 @@ fn hits_are_those_of_the_rules() {
         }
     }
     assert!(certain > rays * 3 / 4 && hits > 2000 && in_instances > 1000, "{rays}, {certain}, {hits}, {in_instances}");
+    assert!(candidates > 500, "{candidates} candidates");
 }
 
 /// Combinations that the APIs do not have are refused, and the others are not.

@@ -216,7 +216,7 @@ fn a_fetch_takes_as_many_cycles_as_documented() {
         });
         response = response.filter(|_| due.is_none());
         let ray = (cycle == 0).then(|| (0, along_z(root)));
-        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat });
+        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat, ..UnitInputs::default() });
     }
     let gaps: Vec<i32> = requested.windows(2).map(|pair| pair[1] - pair[0] - 1).collect();
     // A ray's first request; nodes; three triangles.

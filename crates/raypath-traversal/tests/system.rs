@@ -9,7 +9,7 @@ use raypath_traversal::system::{MemoryParameters, RayUser, simulate};
 use raypath_traversal::traffic::{BlockScene, TwoLevelScene, random_ray};
 use raypath_traversal::{
     Memory, Queries, RayRequest, Reply, Response, StepParameters, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
-    UnitOutputs, UnitParameters,
+    UnitOutputs, UnitParameters, Verdict,
 };
 use std::collections::VecDeque;
 
@@ -43,11 +43,14 @@ fn every_cycle(
     let nothing = vec![0; block_bytes as usize];
     let count = user.rays.len();
     let mut ray = user.next_ray();
+    let mut decided = None;
     for now in 0.. {
-        let UnitOutputs { ray_ready, hit, request, .. } = unit.outputs();
+        let UnitOutputs { ray_ready, hit, request, candidate, .. } = unit.outputs();
         let beat = beats.pop_front_if(|(due, _)| *due <= now);
         let response = beat.map(|(_, response)| response);
-        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response });
+        let verdict = decided.take();
+        unit.cycle(&UnitInputs { ray, hit_ready: true, candidate_ready: true, verdict, request_ready: true, response });
+        decided = candidate.map(|asked| (asked.tag, Verdict::without_shaders(&asked.candidate)));
         if ray_ready {
             ray = user.next_ray();
         }
@@ -80,10 +83,10 @@ fn simulations_equal_the_unit_at_its_ports() {
         (100, 8, 1024, 57, wide, none),
         (100, 16, 256, 40, quantised, none),
         (100, 16, 512, 40, wide, UnitFeatures { instances: true, ..none }),
-        (100, 16, 512, 40, wide, UnitFeatures { instances: true, barycentrics: true, queries: Queries::Flags }),
+        (100, 16, 512, 40, wide, UnitFeatures { instances: true, barycentrics: true, queries: Queries::Full }),
         (100, 16, 128, 40, quantised, UnitFeatures { barycentrics: true, ..none }),
     ] {
-        let (BlockScene(scene, _), root) = if features.instances {
+        let (mut blocks, root) = if features.instances {
             let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(20, false, &mut random);
             (blocks, root)
         } else {
@@ -91,6 +94,8 @@ fn simulations_equal_the_unit_at_its_ports() {
         };
         let step = StepParameters { node, features, ..StepParameters::default() };
         let parameters = UnitParameters { contexts, memory_width, step, ..UnitParameters::default() };
+        let root = blocks.give_geometries(root, features.queries, &mut random);
+        let BlockScene(scene, _) = blocks;
         let mut ray = |number| {
             let root = if number % 8 == 5 { 1 << 30 | NODE_KIND } else { root };
             (number, random_ray(root, &mut random))

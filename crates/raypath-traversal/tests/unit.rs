@@ -10,7 +10,7 @@ use raypath_tools::{Options, Sources, Verilated};
 use raypath_traversal::blocks::NodeKind::{Quantised, Wide4};
 use raypath_traversal::state::status;
 use raypath_traversal::traffic::{
-    Behaviour, BlockScene, Environment, RecordedCycle, RecordedEngine, TwoLevelScene, random_ray,
+    Behaviour, BlockScene, Environment, RecordedCycle, RecordedEngine, TwoLevelScene, random_ray, verdict_of,
 };
 use raypath_traversal::{
     Front, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitInputs,
@@ -20,7 +20,7 @@ use raypath_traversal::{
 const NOTHING: UnitFeatures = UnitFeatures::OFF;
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
 const FLAGS: UnitFeatures = UnitFeatures { queries: Queries::Flags, ..NOTHING };
-const EVERYTHING: UnitFeatures = UnitFeatures { barycentrics: true, instances: true, queries: Queries::Flags };
+const EVERYTHING: UnitFeatures = UnitFeatures { barycentrics: true, instances: true, queries: Queries::Full };
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
 const SLOW: Behaviour = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
 const BLOCKED: Behaviour = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
@@ -34,9 +34,7 @@ fn setting(step: StepParameters, count: usize, seed: u64) -> (BlockScene, Vec<Ra
     } else {
         BlockScene::random_of(step.node, 250, &mut random)
     };
-    if step.features.queries != Queries::None {
-        root = scene.give_geometries(root, &mut random);
-    }
+    root = scene.give_geometries(root, step.features.queries, &mut random);
     (scene, (0..count).map(|_| random_ray(root, &mut random)).collect())
 }
 
@@ -60,7 +58,7 @@ fn the_model_equals_the_netlist_in_every_cycle() {
         (2, (12, 2, Wide4, NOTHING, 512, 64, 11), Control::Credit),
         (3, (64, 8, Wide4, WEIGHTS, 1024, 16, 27), Control::Skid),
         (4, (9, 8, Quantised, UnitFeatures { barycentrics: true, ..FLAGS }, 128, 16, 4), Control::Credit),
-        (5, (64, 4, Quantised, NOTHING, 512, 16, 27), Control::Skid),
+        (5, (64, 4, Quantised, UnitFeatures { queries: Queries::Full, ..NOTHING }, 512, 16, 27), Control::Skid),
         (6, (8, 2, Wide4, UnitFeatures { queries: Queries::None, ..EVERYTHING }, 128, 16, 1), Control::Credit),
         (7, (64, 8, Wide4, EVERYTHING, 1024, 16, 11), Control::Skid),
     ] {
@@ -81,7 +79,8 @@ fn the_model_equals_the_netlist_in_every_cycle() {
             entered += model.counts().transforms / 2;
             if behaviour.errors == 0 {
                 let mut functional = Unit::new(Rules::Paper, step);
-                let expected: Vec<Reply> = rays.iter().map(|ray| functional.trace(&scene.0[..], ray)).collect();
+                let expected: Vec<Reply> =
+                    rays.iter().map(|ray| functional.trace_with(&scene.0[..], ray, &mut verdict_of)).collect();
                 let replies: Vec<Reply> = environment.replies.values().copied().collect();
                 failed += replies.iter().filter(|reply| reply.status >= status::MEMORY).count();
                 assert_eq!(replies, expected, "{parameters}");

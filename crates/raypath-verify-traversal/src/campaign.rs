@@ -79,7 +79,7 @@ const UNITS: [Setting; 8] = [
     with(
         unit(Control::Skid, [12, 2, 512, 5, 3]),
         NodeKind::Wide4,
-        UnitFeatures { barycentrics: true, instances: true, queries: Queries::Flags },
+        UnitFeatures { barycentrics: true, instances: true, queries: Queries::Full },
     ),
 ];
 
@@ -132,7 +132,7 @@ impl Episode {
         };
         let (mut scene, mut root) = (scene, root);
         if features.queries != Queries::None {
-            root = scene.give_geometries(root, random);
+            root = scene.give_geometries(root, features.queries, random);
         }
         let rays = (0..count).map(|_| random_ray(root, random)).collect();
         // A slow memory would take most of the cycles of deep scenes.

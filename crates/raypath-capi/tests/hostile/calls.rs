@@ -87,7 +87,7 @@ impl Caller {
         };
         let mut unit = null_mut();
         // SAFETY: as above.
-        assert_eq!(unsafe { raypath_unit_open(c"contexts = 8".as_ptr(), &mut unit) }, RAYPATH_OK);
+        assert_eq!(unsafe { raypath_unit_open(c"contexts = 8\nqueries = \"full\"".as_ptr(), &mut unit) }, RAYPATH_OK);
         let datapaths = [open(c"lanes = 4\ntag = 3"), open(c"preset = \"compact\"\nexception-flags = true")];
         Self { datapaths, unit, memory: Box::new([0; WORDS]) }
     }
@@ -275,7 +275,7 @@ impl Caller {
 
     fn call_of_unit(&mut self, script: &mut Script<'_>, made: &mut Made) -> Status {
         let unit: *const Unit = if script.byte().is_multiple_of(8) { null() } else { self.unit };
-        let kind = script.byte() % 8;
+        let kind = script.byte() % 9;
         // SAFETY: the unit is open or NULL, the model NULL or made and not freed; `pointer` keeps the contract of
         // arrays.
         unsafe {
@@ -302,6 +302,17 @@ impl Caller {
                     RAYPATH_OK
                 }
                 5 if script.byte() == 0 => raypath_unit_model_reset(made.model),
+                6 => {
+                    // Less than a block, as above.
+                    let (mut query, size) = (null_mut(), script.count().saturating_mul(16));
+                    let begun = raypath_query_new(unit, self.pointer(script, 1), &mut query);
+                    let mut last =
+                        raypath_query_proceed(query, self.pointer(script, size), size, self.pointer(script, 1));
+                    raypath_query_answer(query, self.pointer(script, 1));
+                    last = last.min(raypath_query_hit(query, self.pointer(script, 1)));
+                    raypath_query_free(query);
+                    begun.min(last)
+                }
                 _ => {
                     let flags = script.byte() as u32;
                     let inputs = UnitInputs {
@@ -312,6 +323,10 @@ impl Caller {
                         mem_rsp_valid: flags & 2,
                         mem_rsp_tag: script.number() as u32,
                         mem_rsp_error: flags & 4,
+                        answer_valid: flags & 32,
+                        answer_tag: script.number() as u32,
+                        answer: UnitVerdict { accept: flags & 64, end: flags & 128, t: 1.0 },
+                        cand_ready: flags & 8,
                         hit_ready: flags & 8,
                         mem_req_ready: flags & 16,
                     };

@@ -14,7 +14,7 @@ static_assert(sizeof(raypath::Ray) == 64 && sizeof(raypath::Box) == 24 && sizeof
 static_assert(sizeof(raypath::QuadboxResult) == 24 && sizeof(raypath::TriangleResult) == 12);
 static_assert(!std::is_copy_constructible_v<raypath::Datapath> && !std::is_copy_constructible_v<raypath::Pipeline>);
 static_assert(std::is_nothrow_move_constructible_v<raypath::Datapath>);
-static_assert(sizeof(raypath::UnitRay) == 44 && sizeof(raypath::UnitHit) == 44);
+static_assert(sizeof(raypath::UnitRay) == 44 && sizeof(raypath::UnitHit) == 56);
 static_assert(!std::is_copy_constructible_v<raypath::Unit> && !std::is_copy_constructible_v<raypath::UnitModel>);
 
 static void errors() {
@@ -90,7 +90,7 @@ static void traversal() {
   rays[0].root = 1;  // a leaf of one triangle at address 0
   CHECK(unit.trace(scene, rays, hits));
   // The back face at z = 3, in units of a direction of length 2.
-  CHECK(hits[0].status == RAYPATH_UNIT_HIT && hits[0].triangle == 5 && hits[0].t == 1.5f && hits[0].back_face == 1);
+  CHECK(hits[0].status == RAYPATH_UNIT_HIT && hits[0].primitive == 5 && hits[0].t == 1.5f && hits[0].back_face == 1);
   CHECK(hits[0].instance == RAYPATH_UNIT_NO_INSTANCE);
   CHECK(unit.trace(scene, rays, {}).error().status == RAYPATH_ERROR_ARGUMENT);
   CHECK(!unit.generate("/dev/null/x"));
@@ -115,7 +115,7 @@ static void traversal() {
   CHECK(two_levels->trace(placed->bytes(), again, found) && found[0].t == 4.0f && found[0].instance == 0);
 
   // With queries: masks, indices, and geometries that are opaque or not.
-  const raypath::Scene::Geometry geometries[] = {{1, 1}};
+  const raypath::Scene::Geometry geometries[] = {{1, 0, 1}};
   place[0].mask = 2, place[0].custom_index = 77, place[0].shader_offset = 5;
   CHECK(raypath::Scene::build(*two_levels, vertices, triangles, place).error().message.find("queries none") !=
         std::string::npos);
@@ -131,6 +131,35 @@ static void traversal() {
   again[0].flags = RAYPATH_RAY_OPAQUE | RAYPATH_RAY_NO_OPAQUE;
   CHECK(queries->trace(masked->bytes(), again, found) && found[0].status == RAYPATH_UNIT_REFUSED);
   again[0].flags = 0;
+
+  // Candidates: a triangle that is not opaque before a procedural box, which is hit where the caller says.
+  const raypath::Box boxes[] = {{{-1, -1, 8}, {1, 1, 10}}};
+  const raypath::Scene::Geometry both[] = {{1, 0, 1}, {0, 1, 0}};
+  const auto asking = raypath::Unit::open("queries = \"full\"");
+  CHECK(raypath::Scene::build(*queries, vertices, triangles, {}, 100.0f, both, boxes).error().message.find(
+            "expected full") != std::string::npos);
+  const auto mixed = raypath::Scene::build(*asking, vertices, triangles, {}, 100.0f, both, boxes);
+  again[0].root = mixed->root(), again[0].flags = 0;
+  int asked = 0;
+  auto query = raypath::Query::create(*asking, again[0]);
+  CHECK(!query->hit());
+  while (query->proceed(mixed->bytes())) {
+    CHECK(query->candidate().is_box == (asked == 1) && query->candidate().geometry == (asked == 1));
+    if (query->candidate().is_box) query->generate(4.25f);
+    asked++;
+  }
+  CHECK(asked == 2 && query->hit()->status == RAYPATH_UNIT_PROCEDURAL && query->hit()->t == 4.25f);
+  query = raypath::Query::create(*asking, again[0]);
+  CHECK(query->proceed(mixed->bytes()));
+  query->confirm();
+  query->terminate();
+  CHECK(!query->proceed(mixed->bytes()) && query->hit()->status == RAYPATH_UNIT_HIT && query->hit()->t == 1.5f);
+  asked = 0;
+  const auto ignore = [](void *user, const raypath_unit_candidate *, raypath_unit_verdict *) { ++*static_cast<int *>(user); };
+  CHECK(raypath_unit_trace_with(asking->get(), mixed->bytes().data(), mixed->bytes().size(), again.data(), 1, found.data(),
+                                ignore, &asked) == RAYPATH_OK);
+  CHECK(asked == 2 && found[0].status == RAYPATH_UNIT_MISS);
+  CHECK(asking->trace(mixed->bytes(), again, found) && found[0].status == RAYPATH_UNIT_HIT);
 
   auto model = raypath::UnitModel::create(unit);
   CHECK(model && model->outputs().ray_ready == 1);

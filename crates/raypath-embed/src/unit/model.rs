@@ -2,6 +2,7 @@
 
 use super::Unit;
 use super::layout::{UnitHit, UnitRay};
+use super::query::{UnitCandidate, UnitVerdict};
 use crate::Error;
 use crate::state::{restore, save};
 use raypath_model::state;
@@ -20,6 +21,8 @@ pub struct UnitModel {
     parameters: UnitParameters,
     /// For each tag, the beats of the requested block that have not arrived.
     awaited: Vec<u32>,
+    /// For each tag, whether its candidate was taken and has no verdict.
+    undecided: Vec<bool>,
     stalls: UnitStalls,
     /// The unit in words.
     unit: Arc<str>,
@@ -42,7 +45,7 @@ pub struct UnitStalls {
 
 state! { UnitStalls { rays_inside, ray_cycles, ray_stalls, hit_stalls, request_stalls } }
 
-state! { UnitModel { inner, awaited, stalls } }
+state! { UnitModel { inner, awaited, undecided, stalls } }
 
 /// The inputs of the unit in a cycle.
 #[derive(Debug, Clone, Copy, Default)]
@@ -51,6 +54,10 @@ pub struct UnitInputs<'i> {
     pub ray: Option<(u64, &'i UnitRay)>,
     /// Whether the hit at the outputs is taken.
     pub hit_ready: bool,
+    /// Whether the candidate at the outputs is taken.
+    pub candidate_ready: bool,
+    /// A verdict on a candidate that was taken, with its tag.
+    pub verdict: Option<(u32, UnitVerdict)>,
     /// Whether the request at the outputs is taken.
     pub request_ready: bool,
     /// A beat of a requested block.
@@ -64,6 +71,8 @@ pub struct UnitOutputs {
     pub ray_ready: bool,
     /// The number of a ray that has ended, and its hit.
     pub hit: Option<(u64, UnitHit)>,
+    /// A candidate: the tag of its verdict, the number of its ray, and what it is.
+    pub candidate: Option<(u32, u64, UnitCandidate)>,
     /// A request of a block.
     pub request: Option<BlockRequest>,
 }
@@ -74,20 +83,31 @@ impl UnitModel {
         let mut inner = unit::UnitModel::of(unit.netlist());
         let parameters = unit.parameters();
         let (outputs, awaited) = (inner.outputs(), vec![0; parameters.contexts as usize]);
-        Self { inner, outputs, parameters, awaited, stalls: UnitStalls::default(), unit: unit.description().into() }
+        let undecided = vec![false; parameters.contexts as usize];
+        Self {
+            inner,
+            outputs,
+            parameters,
+            awaited,
+            undecided,
+            stalls: UnitStalls::default(),
+            unit: unit.description().into(),
+        }
     }
 
     /// The outputs in this cycle.
     pub fn outputs(&self) -> UnitOutputs {
-        let unit::UnitOutputs { ray_ready, hit, request, .. } = self.outputs;
-        UnitOutputs { ray_ready, hit: hit.map(|(id, reply)| (id, (&reply).into())), request }
+        let unit::UnitOutputs { ray_ready, hit, candidate, request, .. } = self.outputs;
+        let candidate = candidate.map(|asked| (asked.tag, asked.id, (&asked.candidate).into()));
+        UnitOutputs { ray_ready, hit: hit.map(|(id, reply)| (id, (&reply).into())), candidate, request }
     }
 
     /// The clock edge that ends this cycle.
     ///
     /// # Errors
     /// A number of a ray with more bits than the unit has for it; a ray with a value that its port does not have; a
-    /// beat for a tag without an outstanding request, or of another size than the memory's width. Then no cycle passes.
+    /// beat for a tag without an outstanding request, or of another size than the memory's width; a verdict for a tag
+    /// whose candidate was not taken. Then no cycle passes.
     pub fn step(&mut self, inputs: &UnitInputs<'_>) -> Result<(), Error> {
         if let Some((id, ray)) = inputs.ray {
             self.check_ray(id, ray)?;
@@ -95,10 +115,23 @@ impl UnitModel {
         if let Some(response) = &inputs.response {
             self.check_response(response)?;
         }
-        let UnitInputs { ray, hit_ready, request_ready, response } = *inputs;
+        if let Some((tag, _)) = inputs.verdict
+            && !self.undecided.get(tag as usize).is_some_and(|is_undecided| *is_undecided)
+        {
+            let problem = format!("a verdict with the tag {tag}, expected that of a candidate that was taken");
+            return Err(Error::Argument(problem));
+        }
+        let UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response } = *inputs;
+        if let Some(tag) = verdict.map(|(tag, _)| tag as usize) {
+            self.undecided[tag] = false;
+        }
+        if let Some(asked) = self.outputs.candidate.filter(|_| candidate_ready) {
+            self.undecided[asked.tag as usize] = true;
+        }
+        let verdict = verdict.map(|(tag, verdict)| (tag, verdict.into()));
         let ray = ray.map(|(id, ray)| (id, ray.into()));
         self.count(ray.is_some(), hit_ready, request_ready, 1);
-        self.inner.cycle(&unit::UnitInputs { ray, hit_ready, request_ready, response });
+        self.inner.cycle(&unit::UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response });
         if let Some(awaited) = response.and_then(|response| self.awaited.get_mut(response.tag as usize)) {
             *awaited -= 1;
         }
@@ -112,11 +145,11 @@ impl UnitModel {
     }
 
     /// Advances up to `limit` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the
-    /// first in which an input could change something: with a hit or a request, or in which a ray is accepted and was
+    /// first in which an input could change something: with a hit, a candidate or a request, or in which a ray is accepted and was
     /// not before. Returns the number of cycles.
     pub fn skip(&mut self, limit: u64) -> u64 {
         let (mut passed, mut was_ready) = (0, self.outputs.ray_ready);
-        while passed < limit && self.outputs.hit.is_none() && self.outputs.request.is_none() {
+        while passed < limit && self.waits_for_nothing() {
             if self.outputs.ray_ready && !was_ready {
                 break;
             }
@@ -130,6 +163,12 @@ impl UnitModel {
             passed += still.max(1);
         }
         passed
+    }
+
+    /// Nothing is at the outputs that could be taken.
+    fn waits_for_nothing(&self) -> bool {
+        let unit::UnitOutputs { hit, candidate, request, .. } = &self.outputs;
+        hit.is_none() && candidate.is_none() && request.is_none()
     }
 
     /// What the unit did since its last reset.
@@ -183,6 +222,7 @@ impl UnitModel {
         self.inner.reset();
         self.outputs = self.inner.outputs();
         self.awaited.fill(0);
+        self.undecided.fill(false);
         self.stalls = UnitStalls::default();
     }
 

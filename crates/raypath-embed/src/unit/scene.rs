@@ -2,7 +2,7 @@
 
 use super::Unit;
 use crate::Error;
-use raypath_scene::{Bounds, Mesh, Placement, Scene, SceneError, TrianglePlace};
+use raypath_scene::{Bounds, Geometry, Mesh, Placement, Scene, SceneError, TrianglePlace};
 use raypath_traversal::{Instance, Queries, instance_flags};
 use std::collections::HashSet;
 
@@ -27,7 +27,11 @@ pub struct SceneInput {
     /// The vertices of each triangle. With queries, one with a vertex whose x is NaN is inactive: it is not hit, and
     /// counts in indices.
     pub triangles: Vec<[u32; 3]>,
-    /// The geometries, to which the triangles belong in order; none for one opaque geometry.
+    /// The corners with the least and the greatest coordinates of procedural boxes, as inactive as triangles. One with
+    /// a least coordinate above the greatest is the point in its middle.
+    pub boxes: Vec<crate::Bounds>,
+    /// The geometries, to which the triangles and the boxes belong in order; none for one opaque geometry of all
+    /// triangles.
     pub geometries: Vec<SceneGeometry>,
     /// The places of the triangles in a scene of two levels; `None` for a scene of one level.
     pub instances: Option<Vec<SceneInstance>>,
@@ -35,12 +39,14 @@ pub struct SceneInput {
     pub reach: Option<f32>,
 }
 
-/// Triangles of a scene that are opaque or not.
+/// Triangles or procedural boxes of a scene that are opaque or not.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SceneGeometry {
     /// The number of its triangles.
     pub triangles: u32,
+    /// The number of its boxes; 0 if it has triangles.
+    pub boxes: u32,
     /// 0 if they are opaque, 1 if not.
     pub non_opaque: u32,
 }
@@ -89,39 +95,62 @@ impl SceneInstance {
 const FORCES: u32 = instance_flags::FORCE_OPAQUE | instance_flags::FORCE_NO_OPAQUE;
 
 impl SceneInput {
-    /// The mesh, without its inactive triangles, which scenes of a unit with queries may have.
-    fn mesh(
-        vertices: Vec<[f32; 3]>,
-        triangles: Vec<[u32; 3]>,
-        geometries: &[SceneGeometry],
-        queries: Queries,
-    ) -> Result<Mesh, String> {
-        let is_active = |corners: &[u32; 3]| {
-            let x = |vertex: &u32| vertices.get(*vertex as usize).map_or(0.0, |[x, ..]| *x);
-            queries == Queries::None || !corners.iter().any(|vertex| x(vertex).is_nan())
+    /// The mesh, without what is inactive in it, which scenes of a unit with queries may have. A box is a triangle of its
+    /// corners.
+    fn mesh(self, queries: Queries) -> Result<Mesh, String> {
+        let Self { mut vertices, mut triangles, boxes, geometries, .. } = self;
+        let corners_of = |triangle: &[u32; 3], vertices: &[[f32; 3]]| {
+            triangle.map(|vertex| vertices.get(vertex as usize).copied().unwrap_or_default())
         };
-        let all_active = triangles.iter().all(is_active);
-        if geometries.is_empty() && all_active {
+        let is_inactive = |triangle: &[u32; 3], vertices: &[[f32; 3]]| {
+            queries != Queries::None && corners_of(triangle, vertices).iter().any(|[x, ..]| x.is_nan())
+        };
+        if geometries.is_empty() && boxes.is_empty() && !triangles.iter().any(|face| is_inactive(face, &vertices)) {
             return Mesh::new(vertices, triangles).map_err(|problem| problem.to_string());
         }
-        let whole = [SceneGeometry { triangles: triangles.len() as u32, non_opaque: 0 }];
-        let geometries = if geometries.is_empty() { &whole } else { geometries };
-        let expected: u64 = geometries.iter().map(|geometry| u64::from(geometry.triangles)).sum();
-        if expected != triangles.len() as u64 {
-            return Err(format!("the geometries have {expected} triangles, expected {}", triangles.len()));
+        let whole = SceneGeometry { triangles: triangles.len() as u32, ..SceneGeometry::default() };
+        let geometries = if geometries.is_empty() { vec![whole] } else { geometries };
+        let count =
+            |of: fn(&SceneGeometry) -> u32| geometries.iter().map(|geometry| u64::from(of(geometry))).sum::<u64>();
+        for (what, expected, found) in [
+            ("triangles", count(|geometry| geometry.triangles), triangles.len()),
+            ("boxes", count(|geometry| geometry.boxes), boxes.len()),
+        ] {
+            if expected != found as u64 {
+                return Err(format!("the geometries have {expected} {what}, expected {found}"));
+            }
         }
-        let counted = (0..).zip(geometries);
-        let places = counted.flat_map(|(geometry, SceneGeometry { triangles, .. })| {
-            (0..*triangles).map(move |primitive| TrianglePlace { geometry, primitive })
+        if let Some(mixed) = geometries.iter().position(|geometry| geometry.triangles > 0 && geometry.boxes > 0) {
+            return Err(format!("geometry {mixed} has triangles and boxes, expected one of them"));
+        }
+        let faces = triangles.len();
+        for &crate::Bounds { min, max } in &boxes {
+            let first = u32::try_from(vertices.len()).map_err(|_| "too many boxes".to_string())?;
+            let is_point = (0..3).any(|axis| min[axis] > max[axis]);
+            let middle = std::array::from_fn(|axis| min[axis] / 2.0 + max[axis] / 2.0);
+            vertices.extend(if is_point { [middle; 2] } else { [min, max] });
+            triangles.push([first, first + 1, first]);
+        }
+        let (mut of_triangles, mut of_boxes) = (0..faces, faces..triangles.len());
+        let (mut active, mut places) = (Vec::new(), Vec::new());
+        for (geometry, SceneGeometry { triangles: faces, boxes, .. }) in (0..).zip(&geometries) {
+            let own = of_triangles.by_ref().take(*faces as usize).chain(of_boxes.by_ref().take(*boxes as usize));
+            for (primitive, place) in (0..).zip(own) {
+                if !is_inactive(&triangles[place], &vertices) {
+                    active.push(triangles[place]);
+                    places.push(TrianglePlace { geometry, primitive });
+                }
+            }
+        }
+        // Vertices of what is inactive may be NaN.
+        let used: HashSet<u32> = active.iter().flatten().copied().collect();
+        let unused = |(number, vertex): (u32, [f32; 3])| if used.contains(&number) { vertex } else { [0.0; 3] };
+        let vertices = (0..).zip(vertices).map(unused).collect();
+        let kinds = geometries.iter().map(|&SceneGeometry { boxes, non_opaque, .. }| Geometry {
+            is_opaque: non_opaque == 0,
+            is_boxes: boxes > 0,
         });
-        let active = triangles.iter().zip(places).filter(|(corners, _)| is_active(corners));
-        let (faces, places): (Vec<_>, Vec<_>) = active.map(|(corners, place)| (*corners, place)).unzip();
-        // Vertices of inactive triangles may be NaN.
-        let used: HashSet<u32> = faces.iter().flatten().copied().collect();
-        let unused = |(number, vertex): (u32, &[f32; 3])| if used.contains(&number) { *vertex } else { [0.0; 3] };
-        let vertices = (0..).zip(&vertices).map(unused).collect();
-        let opaque = geometries.iter().map(|geometry| geometry.non_opaque == 0).collect();
-        let mesh = Mesh::new(vertices, faces).and_then(|mesh| mesh.with_geometries(opaque, places));
+        let mesh = Mesh::new(vertices, active).and_then(|mesh| mesh.with_geometries(kinds.collect(), places));
         mesh.map_err(|problem| problem.to_string())
     }
 }
@@ -134,19 +163,19 @@ impl Unit {
     /// triangle, or too many; no instance, one that is too far away, or a unit without instances or queries that the
     /// scene needs.
     pub fn scene(&self, input: SceneInput) -> Result<UnitScene, Error> {
-        let SceneInput { vertices, triangles, geometries, instances, reach } = input;
+        let reach = input.reach;
         let parameters = self.parameters().step;
         let error = |problem: &dyn ToString| Error::Argument(problem.to_string());
         Scene::check_reach(reach).map_err(|problem| error(&problem))?;
-        if instances.is_some() && !parameters.features.instances {
+        if input.instances.is_some() && !parameters.features.instances {
             return Err(error(&"instances: the unit has none, expected a unit with instances"));
         }
         let placed = |(index, instance): (usize, &SceneInstance)| {
             instance.placed().map_err(|problem| error(&format!("instances: instance {index}: {problem}")))
         };
-        let places = instances.map(|all| all.iter().enumerate().map(placed).collect::<Result<Vec<_>, _>>());
-        let mesh = SceneInput::mesh(vertices, triangles, &geometries, parameters.features.queries)
-            .map_err(|problem| error(&problem))?;
+        let places =
+            input.instances.as_ref().map(|all| all.iter().enumerate().map(placed).collect::<Result<Vec<_>, _>>());
+        let mesh = input.mesh(parameters.features.queries).map_err(|problem| error(&problem))?;
         let places = places.transpose()?;
         let build = || -> Result<Scene, SceneError> {
             let scene = match (places, reach) {
@@ -159,10 +188,13 @@ impl Unit {
         };
         let scene = build().map_err(|problem| error(&problem))?;
         let needs = scene.blocks().map_or(Queries::None, |blocks| blocks.features().queries);
-        if needs != Queries::None && parameters.features.queries == Queries::None {
-            let problem = "geometries that are several or not opaque, or instances with a mask, flags or further \
-                           indices: the unit has queries none, expected flags";
-            return Err(error(&problem));
+        let has = parameters.features.queries;
+        if needs > has {
+            let what = match needs {
+                Queries::Full => "procedural boxes",
+                _ => "geometries that are several or not opaque, or instances with a mask, flags or further indices",
+            };
+            return Err(error(&format!("{what}: the unit has queries {has}, expected {needs}")));
         }
         let (bytes, root) = scene.blocks().map_or((&[][..], 0), |blocks| (blocks.bytes(), blocks.root()));
         let Bounds { min, max } = scene.bounds();

@@ -14,7 +14,7 @@ Example:
     array([[4., 4., 4., 4.]], dtype=float32)
 """
 
-from raypath._queries import Geometry, Instance, InstanceFlags, RayFlags, UnitStatus
+from raypath._queries import Candidates, Geometry, Instance, InstanceFlags, Query, RayFlags, UnitStatus
 from raypath._raypath import (
     RAY,
     UNIT_RAY,
@@ -48,6 +48,7 @@ __version__ = VERSION
 __all__ = [
     "RAY",
     "UNIT_RAY",
+    "Candidates",
     "Datapath",
     "Geometry",
     "Instance",
@@ -56,6 +57,7 @@ __all__ = [
     "Outcome",
     "Pipeline",
     "QuadboxHits",
+    "Query",
     "RayFlags",
     "Rendering",
     "Scene",

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from raypath._raypath import UnitHits
+
+# As the structure ``raypath_unit_verdict`` of C.
+_VERDICT = np.dtype(
+    {"names": ["accept", "end", "t"], "formats": ["?", "?", "f4"], "offsets": [0, 4, 8], "itemsize": 12}
+)
 
 
 class RayFlags(IntFlag):
@@ -44,6 +54,7 @@ class UnitStatus(IntEnum):
 
     MISS = 0
     HIT = 1
+    PROCEDURAL = 2
     REFUSED = 3
     MEMORY = 4
     SCENE = 5
@@ -52,16 +63,103 @@ class UnitStatus(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """Triangles of a scene, for a unit with ``queries="flags"``.
+    """Triangles or procedural boxes of a scene, for a unit with ``queries``.
 
     Args:
         triangles: float32 array of shape (n, 3, 3): three vertices for each triangle. One with a vertex whose x is NaN
             is inactive: it is not hit, and counts in indices.
         opaque: whether they count as opaque for rays and instances whose flags do not say otherwise.
+        boxes: in place of triangles, for ``queries="full"``: float32 array of shape (n, 2, 3), the corners with the
+            least and the greatest coordinates of each box. One with a NaN for an x is inactive, and one with a minimum
+            above its maximum is the point in its middle.
     """
 
-    triangles: ArrayLike
+    triangles: ArrayLike | None = None
     opaque: bool = True
+    boxes: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        if (self.triangles is None) == (self.boxes is None):
+            raise ValueError("a geometry has triangles or boxes, expected one of them")
+
+
+class Candidates:
+    """What n rays may hit, which wait for verdicts: triangles that are not opaque, and procedural boxes.
+
+    What is not answered is ignored. ``array`` is a structured array with the fields ``ray`` (the index of the ray),
+    ``is_box``, ``is_opaque``, ``primitive``, ``geometry``, ``instance`` (-1 in none), ``custom_index``,
+    ``shader_offset``, ``t``, ``t_num``, ``t_denom``, ``u``, ``v`` and ``back_face``, which are attributes as well. All
+    but the indices are 0 for a box.
+    """
+
+    def __init__(self, array: NDArray[np.void]) -> None:
+        self.array = array
+        self._verdicts = np.zeros(len(array), _VERDICT)
+
+    def answer(self, accept: ArrayLike, *, t: ArrayLike = 0.0, end: ArrayLike = False) -> None:
+        """Gives verdicts, for all candidates or one for each.
+
+        Args:
+            accept: whether the candidate becomes the closest hit of its ray.
+            t: the distance of the hit of a box. It counts from the ray's ``t_min`` up to its closest hit or ``t_max``.
+            end: whether the ray ends, with its closest hit.
+
+        Raises:
+            ValueError: another number of values than candidates.
+        """
+        self._verdicts["accept"], self._verdicts["end"], self._verdicts["t"] = accept, end, t
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        if name.startswith("_") or name not in (self.array.dtype.names or ()):
+            raise AttributeError(f"'Candidates' has no attribute '{name}'")
+        return self.array[name]
+
+    def __len__(self) -> int:
+        return len(self.array)
+
+    def __repr__(self) -> str:
+        return f"raypath.Candidates(n={len(self)})"
+
+
+class Query:
+    """Rays of a ``Unit`` with ``queries="full"``, from ``Unit.query``.
+
+    Iterate over it for the candidates of rays that wait for a verdict, at most 16,384 at a time. Each ray meets each
+    candidate at most once, and none behind its closest hit. Other rays go on, so that the rays of a batch are not in
+    order. After the last batch, ``hits`` has the hits.
+
+    Example:
+        >>> import numpy as np, raypath
+        >>> unit = raypath.Unit("compact", queries="full")
+        >>> leaf = np.float32([[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]])
+        >>> scene = unit.scene([raypath.Geometry(leaf, opaque=False), raypath.Geometry(leaf - np.float32([0, 0, 1]))])
+        >>> rays = scene.rays(np.float32([[0, 0, 4], [0, 0.5, 4]]), np.float32([[0, 0, -1]] * 2))
+        >>> query = unit.query(scene, rays)
+        >>> for candidates in query:
+        ...     candidates.answer(accept=candidates.ray == 0)
+        >>> query.hits.geometry, query.hits.t
+        (array([0, 1], dtype=int32), array([4., 5.], dtype=float32))
+    """
+
+    def __init__(self, inner: Any) -> None:
+        self._inner = inner
+
+    def __iter__(self) -> Iterator[Candidates]:
+        verdicts = None
+        while (array := self._inner.advance(verdicts)) is not None:
+            candidates = Candidates(array)
+            yield candidates
+            verdicts = candidates._verdicts
+
+    @property
+    def hits(self) -> UnitHits:
+        """The hits of all rays, as those of ``Unit.trace``. A hit of a box has the status ``PROCEDURAL``.
+
+        Raises:
+            ValueError: rays that have not ended.
+        """
+        hits: UnitHits = self._inner.hits()
+        return hits
 
 
 @dataclass(frozen=True, eq=False)

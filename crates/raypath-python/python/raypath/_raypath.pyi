@@ -5,7 +5,7 @@ from typing import Any, Literal, TypedDict, final, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from raypath._queries import Geometry, Instance
+from raypath._queries import Geometry, Instance, Query
 
 _Float32 = NDArray[np.float32]
 # Arrays of any type whose values float32 has, or float64 or uint32 where the docstring says so.
@@ -87,7 +87,7 @@ class _UnitParameters(TypedDict):
     divider_latency: int
     node: Literal["wide4", "quantised"]
     instances: bool
-    queries: Literal["none", "flags"]
+    queries: Literal["none", "flags", "full"]
     front: Literal["counter-clockwise", "clockwise"]
 
 class _Simulation(TypedDict):
@@ -119,6 +119,19 @@ class _Hit(TypedDict):
     custom_index: int
     shader_offset: int
 
+class _Candidate(TypedDict):
+    is_box: bool
+    is_opaque: bool
+    primitive: int
+    geometry: int
+    instance: int
+    custom_index: int
+    shader_offset: int
+    t: float
+    u: float
+    v: float
+    back_face: bool
+
 class _Run(TypedDict):
     accepted: int
     hits: UnitHits
@@ -136,6 +149,7 @@ __all__ = [
     "Outcome",
     "Pipeline",
     "QuadboxHits",
+    "RayQuery",
     "Rendering",
     "Scene",
     "Search",
@@ -660,6 +674,14 @@ class Pipeline:
         """A cycle of reset: all jobs are lost, and the accumulators are zero."""
 
 @final
+class RayQuery:
+    """Rays that wait for verdicts on candidates; ``raypath.Query`` has the interface."""
+    def advance(self, verdicts: NDArray[np.void] | None = None) -> NDArray[np.void] | None:
+        """Gives verdicts on the candidates before, one for each, and returns the next; None where all rays have ended."""
+    def hits(self) -> UnitHits:
+        """The hits of all rays, which have ended."""
+
+@final
 class UnitScene:
     """A scene in memory, as a ``Unit`` reads it.
 
@@ -801,7 +823,7 @@ class Unit:
         flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
             ``node``, ``memory_width``, ``id_width``, ``divider_latency``, ``front``, and those of the datapath.
             ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
-            masks and flags of instances.
+            masks and flags of instances; ``queries="full"`` for candidates and procedural boxes, too.
 
     Raises:
         ValueError: a value that a flag does not have; a datapath that the unit does not have.
@@ -827,7 +849,7 @@ class Unit:
         divider_latency: int = ...,
         node: Literal["wide4", "quantised"] = ...,
         instances: bool = ...,
-        queries: Literal["none", "flags"] = ...,
+        queries: Literal["none", "flags", "full"] = ...,
         front: Literal["counter-clockwise", "clockwise"] = ...,
         registers: Literal["ieee", "recoded"] = ...,
         control: Literal["skid", "credit"] = ...,
@@ -869,7 +891,8 @@ class Unit:
                 that is too far away, a matrix without an inverse, or a unit without ``instances`` or ``queries`` that
                 the scene needs."""
     def trace(self, scene: UnitScene, rays: _Rays) -> UnitHits:
-        """Traces rays by the functional model, without time.
+        """Traces rays by the functional model, without time. Of candidates, triangles are accepted and boxes ignored; see
+        ``query``.
 
         Args:
             scene: the memory that the unit reads. An address outside of it is an error of the memory.
@@ -882,6 +905,22 @@ class Unit:
         Raises:
             ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
             KeyboardInterrupt: after Ctrl-C.
+
+        Warns:
+            UserWarning: a ray begins beyond the ``reach`` of the scene."""
+    def query(self, scene: UnitScene, rays: _Rays, *, flags: int = 0) -> Query:
+        """Rays whose caller decides about candidates, for a unit with ``queries="full"``.
+
+        Args:
+            scene: the memory that the unit reads.
+            rays: rays of ``scene.rays``.
+            flags: ``raypath.RayFlags`` beside those of the rays.
+
+        Returns:
+            A ``raypath.Query``: iterate over it for candidates, and then take its ``hits``.
+
+        Raises:
+            ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
 
         Warns:
             UserWarning: a ray begins beyond the ``reach`` of the scene."""
@@ -945,6 +984,9 @@ class UnitOutputs:
     def hit(self) -> _Hit | None:
         """Its hit, with the fields of ``UnitHits``, or None."""
     @property
+    def candidate(self) -> tuple[int, int, _Candidate] | None:
+        """A candidate at the outputs: the tag of its verdict, the number of its ray, and its fields by name; or None."""
+    @property
     def request(self) -> tuple[int, int] | None:
         """The address of a block that is requested and the tag of its response, or None."""
 
@@ -990,6 +1032,8 @@ class UnitModel:
         response: tuple[int, bytes] | None = None,
         response_error: bool = False,
         hit_ready: bool = True,
+        candidate_ready: bool = True,
+        verdict: tuple[int, bool, bool, float] | None = None,
         request_ready: bool = True,
     ) -> UnitOutputs:
         """One clock cycle.
@@ -1002,6 +1046,9 @@ class UnitModel:
                 arrive in order, in any cycle after that of the request.
             response_error: whether the memory has no valid data for the beat.
             hit_ready: whether a hit at the outputs is taken. It stays there otherwise.
+            candidate_ready: whether a candidate at the outputs is taken. It stays there otherwise.
+            verdict: the tag of a candidate that was taken, whether it is accepted, whether its ray ends, and the distance
+                of the hit of a box.
             request_ready: whether a request at the outputs is taken. It stays there otherwise.
 
         Returns:
@@ -1009,7 +1056,8 @@ class UnitModel:
 
         Raises:
             ValueError: an item that is not a ray; a number of too many bits; a beat of another size, or with the tag of
-                no request that waits for one. Then no cycle passes."""
+                no request that waits for one; a verdict with the tag of no candidate that was taken. Then no cycle
+                passes."""
     def run(
         self,
         cycles: int,
@@ -1022,7 +1070,7 @@ class UnitModel:
         request_ready: NDArray[np.bool_] | None = None,
     ) -> _Run:
         """Many cycles at once: rays are offered in order, each until it is accepted, and a scene answers requests in
-        order.
+        order. Of candidates, triangles are accepted and boxes ignored.
 
         Args:
             cycles: the number of cycles.
@@ -1044,7 +1092,7 @@ class UnitModel:
             KeyboardInterrupt: after Ctrl-C."""
     def skip(self, cycles: int) -> int:
         """Advances cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the first with a
-        hit or a request at the outputs, or in which a ray is accepted and was not before. Cycles in which the unit
+        hit, a candidate or a request at the outputs, or in which a ray is accepted and was not before. Cycles in which the unit
         waits for the memory take no time.
 
         Args:

@@ -2,6 +2,7 @@
 
 use super::contexts::{CONTEXTS, Contexts};
 use crate::answers::Answers;
+use crate::candidate::Verdict;
 use crate::model::{Memory, RayRequest, Reply};
 use crate::step::StepParameters;
 use crate::walk::{Asked, AskedKind, Walk};
@@ -49,6 +50,9 @@ impl<'s, M: Memory + ?Sized> AheadContexts<'s, M> {
         let walk = &mut self.walks[usize::from(context)].1;
         for asked in &mut self.steps[usize::from(context)] {
             *asked = walk.step(&self.answers, self.parameters, self.scene);
+            if let Some(candidate) = walk.candidate(self.parameters) {
+                walk.decide(Verdict::without_shaders(&candidate));
+            }
             if asked.kind == AskedKind::Nothing {
                 break;
             }

@@ -2,7 +2,8 @@
 
 use crate::answers::{Answers, Block};
 use crate::blocks::BLOCK_BYTES;
-use crate::engine::Response;
+use crate::candidate::Verdict;
+use crate::engine::{AskedCandidate, Response};
 use crate::hardware::UnitParameters;
 use crate::model::{Memory, MemoryError, RayRequest, Reply};
 use crate::walk::{Asked, Walk};
@@ -81,6 +82,20 @@ impl PortContexts {
         context.failed = response.is_error | (context.failed & (context.beats > 0));
         context.beats = if is_last { 0 } else { context.beats + 1 };
         is_last.then_some(tag)
+    }
+
+    /// The candidate in a context.
+    pub fn candidate(&self, context: u8) -> Option<AskedCandidate> {
+        let Context { id, walk, .. } = &self.contexts[usize::from(context)];
+        let candidate = walk.candidate(self.parameters.step)?;
+        Some(AskedCandidate { tag: context.into(), id: *id, candidate })
+    }
+
+    /// A verdict arrives. Returns its context, if it is one.
+    pub fn decide(&mut self, tag: u32, verdict: Verdict) -> Option<u8> {
+        let context = u8::try_from(tag).ok().filter(|context| u32::from(*context) < self.parameters.contexts)?;
+        self.contexts[usize::from(context)].walk.decide(verdict);
+        Some(context)
     }
 
     /// The number of the ray in a context.

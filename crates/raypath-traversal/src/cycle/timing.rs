@@ -47,6 +47,8 @@ pub struct Timing {
     /// With barycentric coordinates, which are divided before a hit is shown.
     weights: Option<Weights>,
     hit: Option<(u64, Reply)>,
+    /// The context whose candidate is at the port.
+    candidate: Option<u8>,
     cycles: u64,
     /// The jobs of each kind.
     offered: [u64; Kind::COUNT],
@@ -86,6 +88,9 @@ pub struct Edge<'r> {
     /// A ray that enters, for which [`Timing::ray_ready`] was true, with its number.
     pub ray: Option<&'r (u64, RayRequest)>,
     pub hit_ready: bool,
+    pub candidate_ready: bool,
+    /// The context for whose candidate a verdict has come.
+    pub decided: Option<u8>,
     pub request_ready: bool,
     /// The context whose block has arrived with the beat of this cycle.
     pub arrived: Option<u8>,
@@ -106,11 +111,15 @@ const CLOSEST: usize = 1;
 const FAULT: usize = 2;
 const STARTS: usize = 3;
 const AGAINS: usize = 4;
-const FREE: usize = 5;
-const ARRIVALS: usize = 6;
-const REQUESTS: usize = 7;
-const ENDED: usize = 8;
-const QUEUES: usize = 9;
+/// The context for whose candidate a verdict has come.
+const DECIDED: usize = 5;
+const FREE: usize = 6;
+const ARRIVALS: usize = 7;
+const REQUESTS: usize = 8;
+const ENDED: usize = 9;
+/// The context that asks about a candidate.
+const CANDIDATES: usize = 10;
+const QUEUES: usize = 11;
 
 /// The sources of answers, a bit for each.
 const SOURCES: u32 = (1 << FREE) - 1;
@@ -119,7 +128,7 @@ state! {
     Answered { context, source }
     Timing {
         fresh, queues, busy, yields, set_up, offer, has_offer, following, flow, jobs, operands, has_operands, divider,
-        triangle, has_triangle, scheduler, prepared, finished, hit, cycles, offered, asked,
+        triangle, has_triangle, scheduler, prepared, finished, hit, candidate, cycles, offered, asked,
         restarts, job_stalls | decoder, weights
     }
 }
@@ -152,6 +161,7 @@ impl Timing {
             finished: Answered::default(),
             weights: features.barycentrics.then(|| Weights::new(parameters.divider_latency)),
             hit: None,
+            candidate: None,
             cycles: 0,
             offered: [0; Kind::COUNT],
             asked: [0; AskedKind::COUNT],
@@ -182,6 +192,12 @@ impl Timing {
         self.hit
     }
 
+    /// The context whose candidate is at the port.
+    #[inline]
+    pub fn candidate(&self) -> Option<u8> {
+        self.candidate
+    }
+
     /// The request for a block.
     #[inline]
     pub fn request(&self, contexts: &impl Contexts) -> Option<BlockRequest> {
@@ -194,7 +210,7 @@ impl Timing {
     // Within a loop, its many conditions would be computed in every cycle.
     #[inline(never)]
     pub fn idle(&mut self, limit: u64) -> u64 {
-        let waiting = SOURCES | 1 << ARRIVALS | 1 << ENDED;
+        let waiting = SOURCES | 1 << ARRIVALS | 1 << ENDED | 1 << CANDIDATES;
         let is_still = self.busy == 0
             && self.set_up.is_empty()
             && self.jobs.is_empty()
@@ -220,6 +236,7 @@ impl Timing {
         let chosen = self.choose();
         let enters_instance = self.rays(contexts, edge.ray);
         self.hits(contexts, edge.hit_ready);
+        self.candidates(edge);
         self.walk(contexts, chosen, edge.request_ready);
         self.jobs(enters_instance);
         self.blocks(contexts, edge.arrived);
@@ -233,6 +250,7 @@ impl Timing {
         self.set_up.clear();
         self.queues.clear();
         (self.has_offer, self.has_operands, self.has_triangle, self.hit) = (false, false, false, None);
+        self.candidate = None;
         (self.prepared, self.finished) = (Answered::default(), Answered::default());
         self.flow.reset();
         self.jobs.clear();
@@ -347,6 +365,19 @@ impl Timing {
         }
     }
 
+    /// The edge of the candidates.
+    #[inline]
+    fn candidates(&mut self, edge: &Edge<'_>) {
+        if !self.parameters.step.features.has_candidates() {
+            return;
+        }
+        if edge.candidate_ready || self.candidate.is_none() {
+            self.candidate = self.queues.front(CANDIDATES);
+            self.queues.pop_if(CANDIDATES, self.candidate.is_some());
+        }
+        self.queues.push_if(DECIDED, edge.decided.unwrap_or_default(), edge.decided.is_some());
+    }
+
     /// Shows the hit of a ray, and frees its context.
     fn show(&mut self, contexts: &impl Contexts, context: u8) {
         self.hit = Some(contexts.reply(context));
@@ -364,6 +395,7 @@ impl Timing {
             AskedKind::Block => REQUESTS,
             AskedKind::Again | AskedKind::Begin => AGAINS,
             AskedKind::Nothing => ENDED,
+            AskedKind::Verdict => CANDIDATES,
         };
         self.queues.push_if(queue, context, steps);
         self.asked[asked as usize] += u64::from(steps);

@@ -14,6 +14,9 @@ use raypath_hdl::{Builder, Forward, Wire};
 pub struct Ports<'m> {
     /// A ray: whether there is one, and its fields besides those of the entry.
     pub ray_valid: Wire<'m>,
+    /// With candidates: whether one is taken, and a verdict with its context.
+    pub candidate_ready: Option<Wire<'m>>,
+    pub verdict: Named<'m>,
     pub ray: Named<'m>,
     pub entry: Entry<Netlist<'m>>,
     pub hit_ready: Wire<'m>,
@@ -38,6 +41,8 @@ impl<'m> Ports<'m> {
             ray,
             entry: from_wires(m, "ray", port),
             hit_ready: m.input("hit_ready_i", 1),
+            candidate_ready: step.features.has_candidates().then(|| m.input("cand_ready_i", 1)),
+            verdict: if step.features.has_candidates() { verdict(m, contexts) } else { Vec::new() },
             request_ready: m.input("mem_req_ready_i", 1),
             beat_valid: m.input("mem_rsp_valid_i", 1),
             beat_context: m.input("mem_rsp_tag_i", bits(contexts)),
@@ -65,6 +70,10 @@ pub struct Backwards<'m> {
     pub fetch_extent: Forward<'m>,
     /// With flags: the triangles of the block that are not hit, by name.
     pub fetch_culls: Vec<(String, Forward<'m>)>,
+    /// With candidates, by name: whether the id of one is read, and its context; the closest hit of a block, with its
+    /// context, its distance and its index.
+    pub candidate: Vec<(String, Forward<'m>)>,
+    pub tested: Vec<(String, Forward<'m>)>,
     /// The datapath takes a job.
     pub job_ready: Forward<'m>,
     /// With quantised nodes: a block enters the decoder's last stage, with its context; the decoder takes a block.
@@ -92,6 +101,9 @@ impl<'m> Backwards<'m> {
         });
         let [fetch_count, fetch_extent] =
             [("fetch_count", 2), ("fetch_extent", 32)].map(|(name, w)| m.forward(name, w));
+        let of_candidates = |paths: &[(&str, u32)]| if features.has_candidates() { all(paths) } else { Vec::new() };
+        let candidate = of_candidates(&[("candidate_read", 1), ("candidate_context", width)]);
+        let tested = [("is_tested", 1), ("tested_context", width), ("after_t", 32), ("after_primitive", 32)];
         let of_instances = |paths| if features.instances { all(paths) } else { Vec::new() };
         Self {
             taken,
@@ -102,7 +114,13 @@ impl<'m> Backwards<'m> {
             fetch: (fetches, fetch_context),
             fetch_count,
             fetch_extent,
-            fetch_culls: if features.has_flags() { all(&CULLS) } else { Vec::new() },
+            fetch_culls: if features.has_flags() {
+                all(&CULLS[..if features.has_candidates() { 3 } else { 2 }])
+            } else {
+                Vec::new()
+            },
+            candidate,
+            tested: of_candidates(&tested),
             job_ready,
             decoder,
             to_rays: of_instances(&[
@@ -125,5 +143,13 @@ impl<'m> Backwards<'m> {
     }
 }
 
-/// The names of the triangles that are not hit, in the limits of a ray.
-const CULLS: [(&str, u32); 2] = [("culls_clockwise", 1), ("culls_counter_clockwise", 1)];
+/// What is kept of a fetch for the hits of its block, with candidates all of it.
+const CULLS: [(&str, u32); 3] = [("culls_clockwise", 1), ("culls_counter_clockwise", 1), ("repeats", 1)];
+
+/// The ports of a verdict, by the names that the steps have for them.
+fn verdict(m: &Builder, contexts: u32) -> Named<'_> {
+    let ports =
+        [("valid", "valid", 1), ("context", "tag", bits(contexts)), ("accepts", "accept", 1), ("ends", "end", 1)];
+    let ports = ports.into_iter().chain([("t", "t", 32)]);
+    ports.map(|(name, port, width)| named(name, m.input(&format!("answer_{port}_i"), width))).collect()
+}

@@ -5,7 +5,7 @@ use super::division::{Division, Operands, divide};
 use super::parameters::UnitParameters;
 use super::queue::bits;
 use crate::fold::{HitLimits, fold};
-use crate::netlist::{Netlist, Value, from_wires, inputs, outputs_with, wires_with};
+use crate::netlist::{Netlist, Value, from_wires, outputs_with, wires_with};
 use crate::state::TriangleHit;
 use crate::step::StepParameters;
 use raypath_hdl::{Builder, Error, Module, Wire};
@@ -35,7 +35,10 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let [is_hit, is_front] = ["is_hit_i", "is_front_i"].map(|name| m.input(name, 1));
     let numbers = FRACTION.into_iter().filter(|name| features.has(name));
     let numbers: Named<'_> = numbers.map(|name| named(name, m.input(&format!("{name}_i"), 32))).collect();
-    let limits: HitLimits<Netlist<'_>> = inputs(m, "limits");
+    let limits: HitLimits<Netlist<'_>> = from_wires(m, "limits", |field, width| {
+        let is_there = features.has_candidates() || !field.contains("after_");
+        if is_there { m.input(&format!("{field}_i"), width) } else { m.constant(width, 0) }
+    });
     let indices: Vec<Wire<'_>> = (0..per_block).map(|k| m.input(&format!("index_{k}_i"), 32)).collect();
     let geometry = features.has("geometry").then(|| m.input("geometry_i", 32));
     let taken = m.input("taken_i", 1);

@@ -45,7 +45,10 @@ pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let context = m.input("context_i", width);
     let status_word = m.input("status_i", 3);
     let ready = m.input("ready_i", 1);
-    let is_hit = status_word.is(status::HIT.into()).named("is_hit");
+    let is_triangle = status_word.is(status::HIT.into());
+    let is_hit =
+        if features.has_candidates() { is_triangle | status_word.is(status::PROCEDURAL.into()) } else { is_triangle };
+    let is_hit = is_hit.named("is_hit");
     let value = |(name, field, width, is_of_hit): (&str, &str, u32, bool)| {
         let state = m.input(&format!("next_{field}_i"), width);
         named(name, if is_of_hit { state & is_hit.replicate(width) } else { state })

@@ -10,10 +10,12 @@ impl UnitNetlist {
         let mut text = self.datapath.properties().to_string();
         // Writing to a String cannot fail.
         let _ = write!(text, "\n{}", include_str!("properties/ports.sv"));
-        for (name, valid, ready, data) in [
+        let channels = [
             ("hit", "hit_valid_o", "hit_ready_i", self.outputs("hit_")),
             ("request", "mem_req_valid_o", "mem_req_ready_i", self.outputs("mem_req_")),
-        ] {
+            ("candidate", "cand_valid_o", "cand_ready_i", self.outputs("cand_")),
+        ];
+        for (name, valid, ready, data) in channels.into_iter().filter(|(.., data)| !data.is_empty()) {
             let width: u32 = data.iter().map(|(_, width)| width).sum();
             let names: Vec<&str> = data.iter().map(|(name, _)| name.as_str()).collect();
             let _ = write!(

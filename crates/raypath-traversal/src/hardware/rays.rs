@@ -6,7 +6,6 @@ use super::entries::entries;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::set_up::set_up;
-use crate::fold::HitLimits;
 use crate::netlist::{Netlist, Value, inputs, wires, wires_with};
 use crate::query::{RayFlags, ray_flags};
 use crate::set_up::Entry;
@@ -84,19 +83,24 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     enters.drive(valid & ready);
 
     m.section("What is kept of it, by reader");
-    let limits = HitLimits { t_min: entry.t_min, culls: flags.culls_of_opaque(c, front) };
     let words = RayWords {
         root: Word::new(c, Value(root)),
+        t_min: entry.t_min,
         t_max: entry.t_max,
         any_hit: Bit::new(c, Value(flags_word.bit(ray_flags::TERMINATE_ON_FIRST_HIT.trailing_zeros()))),
         flags,
         cull_mask: Word::new(c, Value(cull_mask)),
     };
     let begin: Named<'_> = wires_with("", &words, features).collect();
-    // With flags, what is not hit depends on the instance and the leaf.
-    let limits = wires("limits", &limits).into_iter();
-    let limits = limits.filter(|(name, _)| !(features.has_flags() && name.contains("culls"))).collect();
+    let mut limits = vec![named("limits_t_min", entry.t_min.value.0)];
+    if !features.has_flags() {
+        // With flags, it depends on the instance and the leaf which faces are not hit.
+        limits.extend(wires("limits_culls", &flags.culls_of_opaque(c, front)));
+    }
     let at_entry = (enters.wire(), context);
+    let candidate = features.has_candidates().then(|| reader("candidate"));
+    let candidate_id =
+        candidate.map(|reader| keep("u_candidate_ids", count, at_entry, vec![named("candidate_id", id)], reader));
     let id = keep("u_ids", count, at_entry, vec![named("id", id)], release);
     let origin = keep("u_origins", count, at_entry, wires("origin", &entry.origin), job);
     let limits = keep("u_limits", count, at_entry, limits, limits_reader);
@@ -135,7 +139,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         m.output("transformed_ready_o", constants.port("transformed_ready"));
     }
     let output = |name: &str, wire| m.output(&format!("{name}_o"), wire);
-    id.iter().chain(&limits).for_each(|(name, wire)| output(name, *wire));
+    id.iter().chain(&limits).chain(candidate_id.iter().flatten()).for_each(|(name, wire)| output(name, *wire));
     of_job.into_iter().for_each(|(name, wire)| output(&format!("job_{name}"), wire));
     begin.iter().for_each(|(name, wire)| output(&format!("begin_{name}"), *wire));
     builder.finish()

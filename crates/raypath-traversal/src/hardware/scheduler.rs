@@ -1,19 +1,26 @@
 //! Which answer is the next step's.
 
+use crate::step::UnitFeatures;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
-/// The sources of answers, in the order of the bits of `request_i` and `grant_o`.
-pub const SOURCES: [&str; 5] = ["boxes", "block", "fault", "start", "continue"];
+/// The sources of answers, in the order of the bits of `request_i` and `grant_o`. The last needs candidates.
+const SOURCES: [&str; 6] = ["boxes", "block", "fault", "start", "continue", "verdict"];
+
+/// The sources of a unit with these features.
+pub fn sources(features: UnitFeatures) -> &'static [&'static str] {
+    if features.has_candidates() { &SOURCES } else { &SOURCES[..5] }
+}
 
 /// The module `raypath_unit_scheduler`: `grant_o` has one bit of `request_i`. The first source after the one that was
 /// granted last is granted, in a circle, so that a source waits for at most one step of each other source.
-pub fn scheduler() -> Result<Arc<Module>, Error> {
-    let count = SOURCES.len() as u32;
+pub fn scheduler(features: UnitFeatures) -> Result<Arc<Module>, Error> {
+    let sources = sources(features);
+    let count = sources.len() as u32;
     let builder = Builder::new("raypath_unit_scheduler");
     let m = &builder;
     m.doc("Which answer is the next step's: that of the first source after the one that was granted last.");
-    m.doc(format!("The sources, from bit 0 on: {}.", SOURCES.join(", ")));
+    m.doc(format!("The sources, from bit 0 on: {}.", sources.join(", ")));
     let request = m.input("request_i", count);
     // The sources after the one that was granted last. The first is after none.
     let after = m.register("after_q", count - 1).reset_to(0);

@@ -1,11 +1,12 @@
 //! The top module: the datapath and the parts around it.
 
 use super::blocks::blocks;
+use super::candidates::{candidates, is_of_candidate};
 use super::channels::{Backwards, Ports};
 use super::connect::{Inputs, Named, Outputs, keep, named, prefixed};
 use super::decoder::decoder;
 use super::distance::distance;
-use super::hits::hits;
+use super::hits::{hits, is_shown as is_of_hit};
 use super::issue::issue;
 use super::jobs::Jobs;
 use super::parameters::UnitParameters;
@@ -133,14 +134,15 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let closest = top.distance(&jobs, &outcome)?;
 
     m.section("Steps");
-    let walk = top.walk(&jobs, &outcome, &closest)?;
+    let walk = top.walk(&jobs, &outcome, &closest, &ports.verdict)?;
     if let Some(is_transform) = outcome.is_transform {
         top.drive_instances(&jobs, &outcome, is_transform, &walk);
     }
 
     m.section("Requests to the memory, and hits");
     let (request, hits) = (top.requests(&ports, &walk)?, top.hits(&ports, &walk)?);
-    top.outputs(&jobs.rays, &request, &hits);
+    let candidates = top.candidates(&ports, &walk)?;
+    top.outputs(&jobs.rays, &request, &hits, candidates.as_ref());
     Ok(builder.finish()?)
 }
 
@@ -167,7 +169,12 @@ struct Top<'m> {
 impl<'m> Top<'m> {
     fn rays(&self, ports: &Ports<'m>) -> Result<Outputs<'m>, UnitError> {
         let (back, (job_read, job_context)) = (&self.back, self.back.job());
+        let [read, context] = ["candidate_read", "candidate_context"].map(|name| {
+            back.candidate.iter().find(|(known, _)| known == name).map(|(_, forward)| named(name, forward.wire()))
+        });
         let inputs = Inputs::default()
+            .ports(read)
+            .ports(context)
             .port("valid", ports.ray_valid)
             .ports(wires("entry", &ports.entry))
             .ports(ports.ray.clone())
@@ -334,10 +341,49 @@ impl<'m> Top<'m> {
         }
         let (by_fetch, read) =
             ((back.fetch.0.wire(), back.fetch.1.wire()), (back.limits.0.wire(), back.limits.1.wire()));
-        keep("u_culls", self.parameters.contexts, by_fetch, culls, read)
+        let mut kept = keep("u_culls", self.parameters.contexts, by_fetch, culls, read);
+        if let Some((_, repeats)) = kept.get_mut(2) {
+            let is_set = named("after_is_set", *repeats);
+            let write = (back.tested[0].1.wire(), back.tested[1].1.wire());
+            let words = back.tested[2..].iter().map(|(name, forward)| named(name, forward.wire())).collect();
+            let after = keep("u_after", self.parameters.contexts, write, words, read);
+            kept[2] = is_set;
+            kept.extend(after);
+        }
+        kept
     }
 
-    fn walk(&self, jobs: &Jobs<'m>, outcome: &Outcome<'m>, closest: &Outputs<'m>) -> Result<Outputs<'m>, UnitError> {
+    /// With candidates: those that wait for a verdict.
+    fn candidates(&self, ports: &Ports<'m>, walk: &Outputs<'m>) -> Result<Option<Outputs<'m>>, UnitError> {
+        let Some(ready) = ports.candidate_ready else { return Ok(None) };
+        let inputs = Inputs::default()
+            .port("is_tested", walk.port("is_tested"))
+            .port("tested_context", walk.port("tested_context"))
+            .ports(prefixed("tested", self.fields_of(walk, "tested")))
+            .port("asks", walk.port("asks"))
+            .port("context", walk.port("context"))
+            .ports(prefixed("next", self.fields_of(walk, "next")))
+            .port("ready", ready);
+        let candidates = inputs.place(self.m, "u_candidates", &candidates(self.parameters)?);
+        for (name, forward) in &self.back.candidate {
+            forward.drive(candidates.port(name.trim_start_matches("candidate_")));
+        }
+        Ok(Some(candidates))
+    }
+
+    /// The outputs of the steps under this stem that candidates show.
+    fn fields_of(&self, walk: &Outputs<'m>, stem: &str) -> Named<'m> {
+        let is_shown = |name: &str| is_of_candidate(stem, name, self.parameters.step.features);
+        walk.under(stem).into_iter().filter(|(name, _)| is_shown(name)).collect()
+    }
+
+    fn walk(
+        &self,
+        jobs: &Jobs<'m>,
+        outcome: &Outcome<'m>,
+        closest: &Outputs<'m>,
+        verdict: &Named<'m>,
+    ) -> Result<Outputs<'m>, UnitError> {
         let Outcome { ports, is_boxes, context, .. } = outcome;
         let Jobs { rays, blocks, issue, .. } = jobs;
         let back = &self.back;
@@ -356,6 +402,7 @@ impl<'m> Top<'m> {
             .ports(prefixed("start", rays.under("start")))
             .ports(prefixed("child", blocks.under("child")))
             .ports(prefixed("begin", rays.under("begin")))
+            .ports(prefixed("verdict", verdict.clone()))
             .place(self.m, "u_walk", &walk(self.parameters)?);
         for (forward, name) in back.taken.iter().zip(["start", "block", "fault"]) {
             forward.drive(walk.port(&format!("{name}_taken")));
@@ -371,6 +418,11 @@ impl<'m> Top<'m> {
             forward.drive(walk.port(name));
         }
         back.fetch_culls.iter().for_each(|(name, forward)| forward.drive(walk.port(name)));
+        for ((_, forward), name) in
+            back.tested.iter().zip(["is_tested", "tested_context", "tested_t", "tested_primitive"])
+        {
+            forward.drive(walk.port(name));
+        }
         Ok(walk)
     }
 
@@ -401,7 +453,7 @@ impl<'m> Top<'m> {
             .port("ends", walk.port("ends"))
             .port("context", walk.port("context"))
             .port("status", walk.port("status"))
-            .ports(prefixed("next", walk.under("next")))
+            .ports(prefixed("next", walk.under("next").into_iter().filter(|(name, _)| is_of_hit(name)).collect()))
             .port("ready", ports.hit_ready)
             .place(self.m, "u_hits", &hits(self.parameters)?);
         self.back.releases.0.drive(hits.port("release"));
@@ -410,7 +462,7 @@ impl<'m> Top<'m> {
     }
 
     /// The outputs of the unit, by channel.
-    fn outputs(&self, rays: &Outputs<'m>, request: &Outputs<'m>, hits: &Outputs<'m>) {
+    fn outputs(&self, rays: &Outputs<'m>, request: &Outputs<'m>, hits: &Outputs<'m>, candidates: Option<&Outputs<'m>>) {
         let (m, StepParameters { features, node, .. }) = (self.m, self.parameters.step);
         m.output("ray_ready_o", rays.port("ready"));
         m.output("hit_valid_o", hits.port("valid"));
@@ -427,6 +479,14 @@ impl<'m> Top<'m> {
         let optional = optional.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name);
         let always = ["status", "t", "primitive", "t_num", "t_denom", "back_face", "nodes", "triangles"];
         always.into_iter().chain(optional).for_each(|name| m.output(&format!("hit_{name}_o"), hits.port(name)));
+        if let Some(candidates) = candidates {
+            m.output("cand_valid_o", candidates.port("valid"));
+            m.output("cand_tag_o", candidates.port("tag"));
+            m.output("cand_id_o", rays.port("candidate_id"));
+            let shown = candidates.under("cand");
+            shown.into_iter().for_each(|(name, wire)| m.output(&format!("cand_{name}_o"), wire));
+            m.output("answer_ready_o", m.constant(1, 1));
+        }
         m.output("mem_req_valid_o", request.port("valid"));
         m.output("mem_req_addr_o", m.concat(&[request.port("block"), m.constant(node.offset_bits(), 0)]));
         m.output("mem_req_tag_o", request.port("context"));

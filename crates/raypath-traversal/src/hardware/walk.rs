@@ -9,7 +9,7 @@ use super::connect::{Inputs, Named, Outputs, delay, keep, prefixed};
 use super::hits::is_shown;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
-use super::scheduler::{SOURCES, scheduler};
+use super::scheduler::{scheduler, sources};
 use super::step::{finish_module, prepare_module};
 use crate::netlist::{Netlist, inputs_with, wires_with};
 use crate::state::{Group, RayState, RayWords, answer, request};
@@ -50,6 +50,10 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let closest = inputs(&closest);
     let children = inputs(&[("child_0", 32), ("child_1", 32), ("child_2", 32), ("child_3", 32)]);
     let begin: RayWords<Netlist<'_>> = inputs_with(m, "begin", step.features);
+    let verdict = step.features.has_candidates().then(|| {
+        let (valid, context) = given("verdict");
+        (valid, context, inputs(&[("verdict_accepts", 1), ("verdict_ends", 1), ("verdict_t", 32)]))
+    });
 
     m.section("The answer that is taken, and the state of its ray");
     let again_taken = m.forward("again_taken", 1);
@@ -66,28 +70,51 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .port("context", tested.1)
         .port("pop", boxes_taken.wire())
         .place(m, "u_tested", &queue("raypath_unit_tested", count, &[("context", width)])?);
-    // In the order of `SOURCES`.
-    let sources = [queued(&waiting), block, fault, start, queued(&again)];
-    let requests: Vec<Wire<'_>> = sources.iter().rev().map(|(valid, _)| *valid).collect();
-    let scheduler = Inputs::default().port("request", m.concat(&requests)).place(m, "u_scheduler", &scheduler()?);
+    let verdict_taken = verdict.as_ref().map(|_| m.forward("verdict_taken", 1));
+    let verdicts = match (&verdict, &verdict_taken) {
+        (Some((valid, context, _)), Some(taken)) => {
+            let columns = [("context", width)];
+            Some(Inputs::default().port("push", *valid).port("context", *context).port("pop", taken.wire()).place(
+                m,
+                "u_decided",
+                &queue("raypath_unit_decided", count, &columns)?,
+            ))
+        }
+        _ => None,
+    };
+    // In the order of the scheduler's sources.
+    let offered: Vec<(Wire<'_>, Wire<'_>)> = [queued(&waiting), block, fault, start, queued(&again)]
+        .into_iter()
+        .chain(verdicts.iter().map(queued))
+        .collect();
+    let requests: Vec<Wire<'_>> = offered.iter().rev().map(|(valid, _)| *valid).collect();
+    let scheduler =
+        Inputs::default().port("request", m.concat(&requests)).place(m, "u_scheduler", &scheduler(step.features)?);
     let grant = scheduler.port("grant");
-    let taken = |source: &str| grant.bit(SOURCES.iter().position(|known| *known == source).unwrap_or(0) as u32);
+    let names = sources(step.features);
+    let taken = |source: &str| grant.bit(names.iter().position(|known| *known == source).unwrap_or(0) as u32);
     again_taken.drive(taken("continue"));
     boxes_taken.drive(taken("boxes"));
+    verdict_taken.iter().for_each(|forward| forward.drive(taken("verdict")));
     let read = grant.any().named("read");
-    let read_context = granted(grant, sources.iter().map(|(_, context)| *context)).named("read_context");
-    let either = |refused: u32, ready: u32| is_refused.mux(constant(3, refused), constant(3, ready));
+    let read_context = granted(grant, offered.iter().map(|(_, context)| *context)).named("read_context");
+    let constant = |kind: u32| constant(4, kind);
+    let either = |refused: u32, ready: u32| is_refused.mux(constant(refused), constant(ready));
     let start_kind = either(answer::REFUSED, answer::START);
     let start_kind =
         is_instance.map_or(start_kind, |is| is.mux(either(answer::CANNOT_ENTER, answer::ENTER), start_kind));
-    let kinds = [answer::BOXES, answer::BLOCK, answer::ERROR].map(|kind| constant(3, kind)).into_iter();
-    let kind = granted(grant, kinds.chain([start_kind, constant(3, answer::CONTINUE)]));
+    let kinds = [answer::BOXES, answer::BLOCK, answer::ERROR].map(constant).into_iter();
+    let kinds =
+        kinds.chain([start_kind, constant(answer::CONTINUE)]).chain(verdicts.iter().map(|_| constant(answer::VERDICT)));
+    let kind = granted(grant, kinds);
     let prepares = m.register("prepares_q", 1).reset_to(0);
     prepares.next(read);
     let prepared_context = delay("prepared_context_q", read_context);
     let kind = delay("kind_q", kind);
     let boxes = keep("u_outcomes", count, tested, boxes, (read, read_context));
-    let closest = delay_all(closest);
+    let mut closest = delay_all(closest);
+    let decided =
+        verdict.map(|(valid, context, words)| keep("u_verdicts", count, (valid, context), words, (read, read_context)));
 
     m.section("The step is prepared, and the stack is read");
     let finishes = m.register("finishes_q", 1).reset_to(0);
@@ -111,12 +138,31 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         };
         (name, value)
     });
-    let state = prefixed("state", state.collect());
+    let state: Named<'_> = state.collect();
+    let tested = closest.clone();
+    let mut verdict_words: Named<'_> = Vec::new();
+    let mut is_tested = None;
+    if let Some(decided) = decided {
+        let is_block = (prepares.wire() & kind.is(answer::BLOCK.into())).named("is_tested");
+        // A verdict comes with its candidate, which was the closest hit of the block; a box has the distance of the user.
+        let kept = keep("u_candidates", count, (is_block, prepared_context), closest.clone(), (read, read_context));
+        let is_verdict = kind.is(answer::VERDICT.into()).named("is_verdict");
+        let is_box = state.iter().find(|(name, _)| name == "leaf_is_box").map_or(is_verdict, |(_, wire)| *wire);
+        let chosen = closest.iter().zip(kept).map(|((name, now), (_, kept))| {
+            let kept = if name == "closest_t" { is_box.mux(decided[2].1, kept) } else { kept };
+            (name.clone(), is_verdict.mux(kept, *now))
+        });
+        closest = chosen.collect();
+        is_tested = Some(is_block);
+        verdict_words = decided[..2].to_vec();
+    }
+    let state = prefixed("state", state);
     let answer_words = [("kind".to_string(), kind)].into_iter();
     let answer_words = answer_words
         .chain(boxes.into_iter().map(|(name, wire)| (name.trim_start_matches("boxes_").to_string(), wire)))
         .chain(children)
-        .chain(closest);
+        .chain(closest)
+        .chain(verdict_words);
     let half = Inputs::default().ports(state).ports(prefixed("answer", answer_words.collect())).place(
         m,
         "u_prepare",
@@ -156,6 +202,17 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.output("fetches_o", asks(request::FETCH));
     m.output("ends_o", asks(request::DONE));
     m.output("context_o", finished_context);
+    if let Some(is_tested) = is_tested {
+        m.output("asks_o", asks(request::CANDIDATE));
+        m.output("repeats_o", done.port("request_repeats"));
+        m.output("is_tested_o", is_tested);
+        m.output("tested_context_o", prepared_context);
+        tested.iter().filter(|(name, _)| name != "closest_is_hit" && name != "closest_has_more").for_each(
+            |(name, wire)| {
+                m.output(&format!("tested_{}_o", name.trim_start_matches("closest_")), *wire);
+            },
+        );
+    }
     let (address, level) = (done.port("request_address"), done.port("request_level"));
     m.unused("unused_offset", &[address.lower(step.node.offset_bits())]);
     m.unused("unused_level", &[level.upper(level.width() - slot_bits)]);
@@ -168,7 +225,16 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     }
     let is_inside = next.iter().filter(|(name, _)| name == "inside");
     is_inside.for_each(|(_, wire)| m.output("is_inside_o", *wire));
-    let shown = next.into_iter().filter(|(name, _)| is_shown(name));
+    let of_candidates = [
+        "leaf_is_box",
+        "leaf_is_opaque",
+        "instance_index",
+        "instance_custom_index",
+        "instance_shader_offset",
+        "instance_flags_flipped",
+    ];
+    let of_candidates = |name: &str| step.features.has_candidates() && of_candidates.contains(&name);
+    let shown = next.into_iter().filter(|(name, _)| is_shown(name) || of_candidates(name));
     shown.for_each(|(name, wire)| m.output(&format!("next_{name}_o"), wire));
     builder.finish()
 }
@@ -189,7 +255,7 @@ fn delay_all(words: Named<'_>) -> Named<'_> {
 
 /// Whether this field of a ray's state stays as the ray has it, and is kept with the ray.
 fn is_of_ray(field: &str) -> bool {
-    ["any_hit", "root", "cull_mask"].contains(&field) || field.starts_with("flags_")
+    ["any_hit", "root", "cull_mask", "t_min"].contains(&field) || field.starts_with("flags_")
 }
 
 /// The other fields that a ray has at its beginning. The rest of its state is written before it is read.
@@ -209,8 +275,9 @@ const BOXES: [(&str, u32); 8] = [
 ];
 
 /// The closest hit of a block.
-const CLOSEST: [(&str, u32); 9] = [
+const CLOSEST: [(&str, u32); 10] = [
     ("closest_is_hit", 1),
+    ("closest_has_more", 1),
     ("closest_t", 32),
     ("closest_t_num", 32),
     ("closest_t_denom", 32),

@@ -2,6 +2,7 @@
 
 use super::scene::BlockScene;
 use crate::blocks::{Child, NodeKind};
+use crate::query::Queries;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use std::collections::BTreeSet;
@@ -36,24 +37,32 @@ impl BlockScene {
     }
 
     /// Makes leaves that can be reached from `root` opaque or not, and gives indices to their geometries, and masks,
-    /// flags and further indices to instances. Returns the new word of the root. For units with
-    /// [`Queries::Flags`](crate::Queries::Flags).
-    pub fn give_geometries(&mut self, root: u32, random: &mut ChaCha8Rng) -> u32 {
+    /// flags and further indices to instances; with [`Queries::Full`], some leaves become procedural boxes. Returns the
+    /// new word of the root.
+    pub fn give_geometries(&mut self, root: u32, queries: Queries, random: &mut ChaCha8Rng) -> u32 {
         let nodes = self.1;
         let opacity = |word: u32, random: &mut ChaCha8Rng| match Child::of(word, nodes) {
             Ok(Child::Leaf { address, count, .. }) => {
-                let leaf = Child::Leaf { address, count, is_opaque: random.random() };
+                let is_opaque = random.random();
+                let leaf = if queries == Queries::Full && random.random_range(0..4) == 0 {
+                    Child::Box { address, is_opaque }
+                } else {
+                    Child::Leaf { address, count, is_opaque }
+                };
                 leaf.word(nodes).unwrap_or(word)
             }
             _ => word,
         };
+        if queries == Queries::None {
+            return root;
+        }
         for (child, block) in self.reachable(root) {
             let Some((children, indices)) = self.words_mut(child, block) else { continue };
             for child in children {
                 *child = opacity(u32::from_le_bytes(*child), random).to_le_bytes();
             }
             match (child, indices) {
-                (Child::Leaf { .. }, indices) => {
+                (Child::Leaf { .. } | Child::Box { .. }, indices) => {
                     let place = nodes.geometry_word() - first_index(nodes);
                     indices[place] = random.random_range(0..3_u32).to_le_bytes();
                 }
@@ -90,7 +99,9 @@ impl BlockScene {
             Child::None => (0, 0, 0),
             Child::Node { .. } => (nodes.child_word(), 4, 0),
             Child::Instance { .. } => (NodeKind::Wide4.child_word(), 1, 3),
-            Child::Leaf { .. } => (first_index(*nodes), 0, 1 + nodes.triangles_per_block() as usize),
+            Child::Leaf { .. } | Child::Box { .. } => {
+                (first_index(*nodes), 0, 1 + nodes.triangles_per_block() as usize)
+            }
         };
         let block = bytes.get_mut(address..)?.get_mut(..nodes.block_bytes() as usize)?;
         Some(block.as_chunks_mut().0[first..first + children + indices].split_at_mut(children))
@@ -106,7 +117,7 @@ fn first_index(nodes: NodeKind) -> usize {
 fn blocks(child: Child, nodes: NodeKind) -> impl Iterator<Item = usize> {
     let (address, count) = match child {
         Child::None => (0, 0),
-        Child::Node { address } | Child::Instance { address } => (address, 1),
+        Child::Node { address } | Child::Instance { address } | Child::Box { address, .. } => (address, 1),
         Child::Leaf { address, count, .. } => (address, nodes.leaf_blocks(count)),
     };
     (0..count).map(move |block| (address + block * nodes.block_bytes()) as usize)

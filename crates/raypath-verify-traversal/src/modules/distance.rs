@@ -123,6 +123,7 @@ impl Block {
             let [t_num, t_denom, u, v] = triangle.numbers;
             let found = TriangleHit {
                 is_hit: triangle.is_hit.into(),
+                has_more: false.into(),
                 t: Num::from(t_num / t_denom),
                 t_num: t_num.into(),
                 t_denom: t_denom.into(),

@@ -142,7 +142,7 @@ fn the_unit_misses_nothing_in_silence() {
     let rays = at("short.txt", "0.25 0.25 5 0 0 -1 inf\n0.25 0.25 5 0 0 -1e-30 inf\n");
     let hits = text(&folder.path().join("hits.txt"));
     let arguments = ["render", &small, "--instances", &places, "--rays", &rays, "--hits", &hits, "--through", "unit"];
-    ends_with(&arguments, 1, &["what 1 rays hit is not known", "ended 1 with status 3"]);
+    ends_with(&arguments, 1, &["what 1 rays hit is not known", "ended 1 with an error"]);
     assert!(!Path::new(&hits).exists());
 }
 

@@ -137,6 +137,7 @@ module raypath_unit_distance (
   logic        closest_is_hit_t3;
   logic        closest_is_hit_t4;
   logic        closest_is_hit_t5;
+  logic        closest_is_hit_t6;
   logic        closest_t_t2;
   logic        closest_t_t3;
   logic        closest_t_t4;
@@ -145,27 +146,28 @@ module raypath_unit_distance (
   logic [5:0]  context_q;
 
   assign closest_t_t1      = tag_q[4] ? index_2_i : (tag_q[3] ? index_1_i : index_0_i);
-  assign closest_is_hit_t1 = (t_q == limits_t_min_i) | ((t_q[30:0] == 31'd0) & (limits_t_min_i[30:0]
+  assign closest_is_hit_t1 = tag_q[4:3] == 2'd0;
+  assign closest_is_hit_t2 = (t_q == limits_t_min_i) | ((t_q[30:0] == 31'd0) & (limits_t_min_i[30:0]
       == 31'd0));
-  assign closest_is_hit_t2 = (t_q[31] ^ limits_t_min_i[31]) ? t_q[31] : (t_q[31] ?
+  assign closest_is_hit_t3 = (t_q[31] ^ limits_t_min_i[31]) ? t_q[31] : (t_q[31] ?
       limits_t_min_i[30:0] < t_q[30:0] : t_q[30:0] < limits_t_min_i[30:0]);
-  assign closest_is_hit_t3 = ~((31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < limits_t_min_i[30:0]))
-      & ~closest_is_hit_t1 & ~(closest_is_hit_t2 & ~closest_is_hit_t1);
-  assign closest_is_hit_t4 = tag_q[1] & ~(tag_q[0] ? limits_culls_clockwise_i :
-      limits_culls_counter_clockwise_i) & closest_is_hit_t3;
-  assign closest_is_hit_t5 = (tag_q[4:3] != 2'd0) & closest_is_hit_q;
+  assign closest_is_hit_t4 = ~((31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < limits_t_min_i[30:0]))
+      & ~closest_is_hit_t2 & ~(closest_is_hit_t3 & ~closest_is_hit_t2);
+  assign closest_is_hit_t5 = tag_q[1] & ~(tag_q[0] ? limits_culls_clockwise_i :
+      limits_culls_counter_clockwise_i) & closest_is_hit_t4;
+  assign closest_is_hit_t6 = ~closest_is_hit_t1 & closest_is_hit_q;
   assign closest_t_t2      = (31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < closest_t_q[30:0]);
   assign closest_t_t3      = (t_q == closest_t_q) | ((t_q[30:0] == 31'd0) & (closest_t_q[30:0] ==
       31'd0));
   assign closest_t_t4      = ((t_q[31] ^ closest_t_q[31]) ? t_q[31] : (t_q[31] ? closest_t_q[30:0] <
       t_q[30:0] : t_q[30:0] < closest_t_q[30:0])) & ~closest_t_t3;
-  assign closest_t_t5      = ~closest_is_hit_t5 | (~closest_t_t2 & closest_t_t4) | (~closest_t_t2 &
+  assign closest_t_t5      = ~closest_is_hit_t6 | (~closest_t_t2 & closest_t_t4) | (~closest_t_t2 &
       closest_t_t3 & (closest_t_t1 < closest_primitive_q));
-  assign closest_t_t6      = closest_is_hit_t4 & closest_t_t5;
+  assign closest_t_t6      = (closest_is_hit_t5 & closest_t_t5) | closest_is_hit_t1;
 
   always_ff @(posedge clk_i) begin
     if (folds) begin
-      closest_is_hit_q       <= closest_is_hit_t4 | closest_is_hit_t5;
+      closest_is_hit_q       <= closest_is_hit_t5 | closest_is_hit_t6;
       closest_t_q            <= closest_t_t6 ? t_q : closest_t_q;
       closest_t_num_q        <= closest_t_t6 ? fractions_t_num : closest_t_num_q;
       closest_t_denom_q      <= closest_t_t6 ? fractions_t_denom : closest_t_denom_q;

@@ -36,7 +36,7 @@ module raypath_unit_finish (
   input  logic        half_descends_i,
   input  logic        half_is_lost_i,
   input  logic        half_leaf_continues_i,
-  input  logic        half_ends_by_any_hit_i,
+  input  logic        half_ends_i,
   input  logic        half_pops_i,
   input  logic        half_is_empty_i,
   input  logic        half_is_on_stack_i,
@@ -207,16 +207,15 @@ module raypath_unit_finish (
   assign next_target_o           = next_nodes_t7 ? half_deepest_i : half_state_target_i;
   assign next_leaf_address_t1    = half_leaf_continues_i ? half_state_leaf_address_i :
       {next_nodes_t10[31:7], 7'd0};
-  assign next_leaf_address_o     = next_triangles_t2 ? next_leaf_address_t1 + 32'd128 :
+  assign next_leaf_address_o     = next_triangles_t2 ? next_leaf_address_t1 :
       half_state_leaf_address_i;
-  assign next_leaf_left_o        = next_triangles_t2 ? next_triangles_t3 + ~{2'd0,
-      next_triangles_t4} + 4'd1 : half_state_leaf_left_i;
+  assign next_leaf_left_o        = next_triangles_t2 ? next_triangles_t3 : half_state_leaf_left_i;
   assign request_kind_t1         = (next_nodes_t13 | next_triangles_t2) & ~((half_state_nodes_i <
       32'h0100_0000) & (half_state_triangles_i < 32'h0100_0000));
   assign request_kind_t2         = next_nodes_t9 & ~next_nodes_t12 & ~next_triangles_t1;
   assign request_kind_t3         = half_failed_i | request_kind_t2 | request_kind_t1;
-  assign request_kind_o          = (request_kind_t3 | half_ends_by_any_hit_i | (half_pops_i &
-      half_is_empty_i)) ? 2'd2 : ((next_pending_low_t1 | half_is_lost_i) ? 2'd1 : 2'd0);
+  assign request_kind_o          = (request_kind_t3 | half_ends_i | (half_pops_i & half_is_empty_i))
+      ? 2'd2 : ((next_pending_low_t1 | half_is_lost_i) ? 2'd1 : 2'd0);
   assign request_address_o       = next_leaf_address_t1;
   assign request_count_o         = next_nodes_t13 ? 2'd0 : next_triangles_t4;
   assign request_writes_o        = next_base_t1;

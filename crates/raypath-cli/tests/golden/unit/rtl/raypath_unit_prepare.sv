@@ -28,7 +28,7 @@ module raypath_unit_prepare (
   input  logic [6:0]  state_target_i,
   input  logic [31:0] state_leaf_address_i,
   input  logic [3:0]  state_leaf_left_i,
-  input  logic [2:0]  answer_kind_i,
+  input  logic [3:0]  answer_kind_i,
   input  logic [3:0]  answer_hit_i,
   input  logic [31:0] answer_tmin_0_i,
   input  logic [31:0] answer_tmin_1_i,
@@ -76,7 +76,7 @@ module raypath_unit_prepare (
   output logic        half_descends_o,
   output logic        half_is_lost_o,
   output logic        half_leaf_continues_o,
-  output logic        half_ends_by_any_hit_o,
+  output logic        half_ends_o,
   output logic        half_pops_o,
   output logic        half_is_empty_o,
   output logic        half_is_on_stack_o,
@@ -103,7 +103,10 @@ module raypath_unit_prepare (
   logic       half_state_extent_t6;
   logic       half_state_extent_t7;
   logic       half_state_has_hit_t1;
-  logic       half_leaf_continues_t1;
+  logic       half_state_leaf_address_t1;
+  logic       half_state_leaf_address_t2;
+  logic       half_state_leaf_address_t3;
+  logic       half_state_leaf_address_t4;
   logic       half_state_restarting_t2;
   logic       half_state_restarting_t3;
   logic       half_state_restarting_t4;
@@ -145,7 +148,7 @@ module raypath_unit_prepare (
 
   assign half_state_any_hit_o         = state_any_hit_i;
   assign half_state_root_o            = state_root_i;
-  assign half_state_extent_t1         = answer_kind_i == 3'd2;
+  assign half_state_extent_t1         = answer_kind_i == 4'd2;
   assign half_state_extent_t2         = (31'h7f80_0000 < answer_closest_t_i[30:0]) | (31'h7f80_0000
       < state_extent_i[30:0]);
   assign half_state_extent_t3         = (answer_closest_t_i == state_extent_i) |
@@ -179,7 +182,7 @@ module raypath_unit_prepare (
   assign half_state_place_high_low_o  = state_place_high_low_i;
   assign half_state_place_high_high_o = state_place_high_high_i;
   assign half_state_base_o            = state_base_i;
-  assign half_state_restarting_t1     = answer_kind_i == 3'd1;
+  assign half_state_restarting_t1     = answer_kind_i == 4'd1;
   assign half_state_restarting_t2     = state_level_i == state_target_i;
   assign half_state_restarting_t3     = state_level_i[5] ? |(state_place_high_high_i & (32'd1 <<
       state_level_i[4:0])) : |(state_place_high_low_i & (32'd1 << state_level_i[4:0]));
@@ -198,23 +201,27 @@ module raypath_unit_prepare (
   assign half_state_restarting_o      = state_restarting_i & ~half_state_restarting_t10 &
       ~(half_state_restarting_t9 & half_state_restarting_t2);
   assign half_state_target_o          = state_target_i;
-  assign half_state_leaf_address_o    = state_leaf_address_i;
-  assign half_state_leaf_left_o       = state_leaf_left_i;
-  assign half_starts_o                = answer_kind_i == 3'd0;
-  assign half_failed_t1               = answer_kind_i == 3'd5;
-  assign half_failed_o                = (answer_kind_i == 3'd4) | half_failed_t1;
+  assign half_state_leaf_address_t1   = half_state_extent_t1 & state_any_hit_i &
+      half_state_has_hit_t1;
+  assign half_state_leaf_address_t2   = half_state_extent_t1 & ~half_state_leaf_address_t1;
+  assign half_state_leaf_address_t3   = 4'd3 < state_leaf_left_i;
+  assign half_state_leaf_address_t4   = half_state_leaf_address_t2 & half_state_leaf_address_t3;
+  assign half_state_leaf_address_o    = half_state_leaf_address_t4 ? state_leaf_address_i + 32'd128
+      : state_leaf_address_i;
+  assign half_state_leaf_left_o       = half_state_leaf_address_t4 ? state_leaf_left_i + 4'd13 :
+      state_leaf_left_i;
+  assign half_starts_o                = answer_kind_i == 4'd0;
+  assign half_failed_t1               = answer_kind_i == 4'd5;
+  assign half_failed_o                = (answer_kind_i == 4'd4) | half_failed_t1;
   assign half_is_refused_o            = half_failed_t1;
   assign half_cannot_enter_o          = 1'b0;
   assign half_descends_o              = half_state_restarting_t9;
   assign half_is_lost_o               = half_state_restarting_t10;
-  assign half_leaf_continues_t1       = half_state_extent_t1 & state_any_hit_i &
-      half_state_has_hit_t1;
-  assign half_leaf_continues_o        = half_state_extent_t1 & ~half_leaf_continues_t1 &
-      (state_leaf_left_i != 4'd0);
-  assign half_ends_by_any_hit_o       = half_leaf_continues_t1;
-  assign half_pops_o                  = (half_state_extent_t1 & ~half_leaf_continues_t1 &
-      (state_leaf_left_i == 4'd0)) | (answer_kind_i == 3'd3) | (half_state_restarting_t1 &
-      ~half_state_restarting_t8 & ~state_restarting_i);
+  assign half_leaf_continues_o        = half_state_leaf_address_t4;
+  assign half_ends_o                  = half_state_leaf_address_t1;
+  assign half_pops_o                  = (half_state_leaf_address_t2 & ~half_state_leaf_address_t3) |
+      (answer_kind_i == 4'd3) | (half_state_restarting_t1 & ~half_state_restarting_t8 &
+      ~state_restarting_i);
   assign half_is_empty_o              = (state_pending_low_i == 32'd0) & (state_pending_high_i ==
       32'd0);
   assign half_is_on_stack_t1          = state_pending_high_i == 32'd0;

@@ -72,10 +72,10 @@ module raypath_unit_walk (
   logic        read;
   logic [5:0]  read_context_t1;
   logic [5:0]  read_context;
-  logic [2:0]  kind_t1;
+  logic [3:0]  kind_t1;
   logic        prepares_q;
   logic [5:0]  prepared_context_q;
-  logic [2:0]  kind_q;
+  logic [3:0]  kind_q;
   logic [3:0]  outcomes_boxes_hit;
   logic [31:0] outcomes_boxes_tmin_0;
   logic [31:0] outcomes_boxes_tmin_1;
@@ -141,12 +141,12 @@ module raypath_unit_walk (
     end
   end
 
-  assign kind_t1 = (3'd1 & {3{scheduler_grant[0]}}) | (3'd2 & {3{scheduler_grant[1]}}) | (3'd4 &
-      {3{scheduler_grant[2]}}) | ((start_is_refused_i ? 3'd5 : 3'd0) & {3{scheduler_grant[3]}});
+  assign kind_t1 = (4'd1 & {4{scheduler_grant[0]}}) | (4'd2 & {4{scheduler_grant[1]}}) | (4'd4 &
+      {4{scheduler_grant[2]}}) | ((start_is_refused_i ? 4'd5 : 4'd0) & {4{scheduler_grant[3]}});
 
   always_ff @(posedge clk_i) begin
     prepared_context_q     <= read_context;
-    kind_q                 <= kind_t1 | (3'd3 & {3{scheduler_grant[4]}});
+    kind_q                 <= kind_t1 | (4'd3 & {4{scheduler_grant[4]}});
     closest_is_hit_q       <= closest_is_hit_i;
     closest_t_q            <= closest_t_i;
     closest_t_num_q        <= closest_t_num_i;
@@ -206,7 +206,7 @@ module raypath_unit_walk (
   logic        prepare_half_descends;
   logic        prepare_half_is_lost;
   logic        prepare_half_leaf_continues;
-  logic        prepare_half_ends_by_any_hit;
+  logic        prepare_half_ends;
   logic        prepare_half_pops;
   logic        prepare_half_is_empty;
   logic        prepare_half_is_on_stack;
@@ -250,7 +250,7 @@ module raypath_unit_walk (
   logic        half_descends_q;
   logic        half_is_lost_q;
   logic        half_leaf_continues_q;
-  logic        half_ends_by_any_hit_q;
+  logic        half_ends_q;
   logic        half_pops_q;
   logic        half_is_empty_q;
   logic        half_is_on_stack_q;
@@ -266,7 +266,7 @@ module raypath_unit_walk (
   logic [31:0] half_rest_tmin_1_q;
   logic [31:0] half_rest_tmin_2_q;
 
-  assign begins = (kind_q == 3'd0) | (kind_q == 3'd5);
+  assign begins = (kind_q == 4'd0) | (kind_q == 4'd5);
 
   raypath_unit_prepare u_prepare (
     .state_any_hit_i (begin_any_hit_i), .state_root_i (begin_root_i),
@@ -317,7 +317,7 @@ module raypath_unit_walk (
     .half_failed_o (prepare_half_failed), .half_is_refused_o (prepare_half_is_refused),
     .half_cannot_enter_o (prepare_half_cannot_enter), .half_descends_o (prepare_half_descends),
     .half_is_lost_o (prepare_half_is_lost), .half_leaf_continues_o (prepare_half_leaf_continues),
-    .half_ends_by_any_hit_o (prepare_half_ends_by_any_hit), .half_pops_o (prepare_half_pops),
+    .half_ends_o (prepare_half_ends), .half_pops_o (prepare_half_pops),
     .half_is_empty_o (prepare_half_is_empty), .half_is_on_stack_o (prepare_half_is_on_stack),
     .half_deepest_o (prepare_half_deepest), .half_parent_o (prepare_half_parent),
     .half_place_o (prepare_half_place), .half_child_o (prepare_half_child),
@@ -368,7 +368,7 @@ module raypath_unit_walk (
     half_descends_q              <= prepare_half_descends;
     half_is_lost_q               <= prepare_half_is_lost;
     half_leaf_continues_q        <= prepare_half_leaf_continues;
-    half_ends_by_any_hit_q       <= prepare_half_ends_by_any_hit;
+    half_ends_q                  <= prepare_half_ends;
     half_pops_q                  <= prepare_half_pops;
     half_is_empty_q              <= prepare_half_is_empty;
     half_is_on_stack_q           <= prepare_half_is_on_stack;
@@ -448,22 +448,22 @@ module raypath_unit_walk (
     .half_failed_i (half_failed_q), .half_is_refused_i (half_is_refused_q),
     .half_cannot_enter_i (half_cannot_enter_q), .half_descends_i (half_descends_q),
     .half_is_lost_i (half_is_lost_q), .half_leaf_continues_i (half_leaf_continues_q),
-    .half_ends_by_any_hit_i (half_ends_by_any_hit_q), .half_pops_i (half_pops_q),
-    .half_is_empty_i (half_is_empty_q), .half_is_on_stack_i (half_is_on_stack_q),
-    .half_deepest_i (half_deepest_q), .half_parent_i (half_parent_q), .half_place_i (half_place_q),
-    .half_child_i (half_child_q), .half_rest_present_i (half_rest_present_q),
-    .half_rest_child_0_i (half_rest_child_0_q), .half_rest_child_1_i (half_rest_child_1_q),
-    .half_rest_child_2_i (half_rest_child_2_q), .half_rest_tmin_0_i (half_rest_tmin_0_q),
-    .half_rest_tmin_1_i (half_rest_tmin_1_q), .half_rest_tmin_2_i (half_rest_tmin_2_q),
-    .top_present_i (stack_present), .top_child_0_i (stack_child_0), .top_child_1_i (stack_child_1),
-    .top_child_2_i (stack_child_2), .top_tmin_0_i (stack_tmin_0), .top_tmin_1_i (stack_tmin_1),
-    .top_tmin_2_i (stack_tmin_2), .next_any_hit_o (unused_finish_next_any_hit),
-    .next_root_o (unused_finish_next_root), .next_extent_o (finish_next_extent),
-    .next_has_hit_o (finish_next_has_hit), .next_t_num_o (finish_next_t_num),
-    .next_t_denom_o (finish_next_t_denom), .next_back_face_o (finish_next_back_face),
-    .next_primitive_o (finish_next_primitive), .next_nodes_o (finish_next_nodes),
-    .next_triangles_o (finish_next_triangles), .next_level_o (finish_next_level),
-    .next_pending_low_o (finish_next_pending_low), .next_pending_high_o (finish_next_pending_high),
+    .half_ends_i (half_ends_q), .half_pops_i (half_pops_q), .half_is_empty_i (half_is_empty_q),
+    .half_is_on_stack_i (half_is_on_stack_q), .half_deepest_i (half_deepest_q),
+    .half_parent_i (half_parent_q), .half_place_i (half_place_q), .half_child_i (half_child_q),
+    .half_rest_present_i (half_rest_present_q), .half_rest_child_0_i (half_rest_child_0_q),
+    .half_rest_child_1_i (half_rest_child_1_q), .half_rest_child_2_i (half_rest_child_2_q),
+    .half_rest_tmin_0_i (half_rest_tmin_0_q), .half_rest_tmin_1_i (half_rest_tmin_1_q),
+    .half_rest_tmin_2_i (half_rest_tmin_2_q), .top_present_i (stack_present),
+    .top_child_0_i (stack_child_0), .top_child_1_i (stack_child_1), .top_child_2_i (stack_child_2),
+    .top_tmin_0_i (stack_tmin_0), .top_tmin_1_i (stack_tmin_1), .top_tmin_2_i (stack_tmin_2),
+    .next_any_hit_o (unused_finish_next_any_hit), .next_root_o (unused_finish_next_root),
+    .next_extent_o (finish_next_extent), .next_has_hit_o (finish_next_has_hit),
+    .next_t_num_o (finish_next_t_num), .next_t_denom_o (finish_next_t_denom),
+    .next_back_face_o (finish_next_back_face), .next_primitive_o (finish_next_primitive),
+    .next_nodes_o (finish_next_nodes), .next_triangles_o (finish_next_triangles),
+    .next_level_o (finish_next_level), .next_pending_low_o (finish_next_pending_low),
+    .next_pending_high_o (finish_next_pending_high),
     .next_place_low_low_o (finish_next_place_low_low),
     .next_place_low_high_o (finish_next_place_low_high),
     .next_place_high_low_o (finish_next_place_high_low),
