@@ -27,6 +27,7 @@ impl UnitNetlist {
             );
         }
         let contexts = self.parameters.contexts;
+        let of_candidates = |text| if self.parameters.step.features.has_candidates() { text } else { "'0" };
         let beats = 8 * self.parameters.step.node.block_bytes() / self.parameters.memory_width;
         let _ = write!(
             text,
@@ -34,8 +35,13 @@ impl UnitNetlist {
              ({}),\n    .Beats ({beats})\n  ) u_ports_properties (\n    .clk_i (clk_i),\n    .rst_ni (rst_ni),\n    \
              .enters_i (ray_valid_i & ray_ready_o),\n    .leaves_i (hit_valid_o & hit_ready_i),\n    .requests_i \
              (mem_req_valid_o & mem_req_ready_i),\n    .request_tag_i (mem_req_tag_o),\n    .arrives_i \
-             (mem_rsp_valid_i & mem_rsp_ready_o),\n    .arrival_tag_i (mem_rsp_tag_i)\n  );\n",
-            bits(contexts)
+             (mem_rsp_valid_i & mem_rsp_ready_o),\n    .arrival_tag_i (mem_rsp_tag_i),\n    .asks_i ({}),\n    \
+             .asked_tag_i ({}),\n    .answers_i ({}),\n    .answer_tag_i ({})\n  );\n",
+            bits(contexts),
+            of_candidates("cand_valid_o & cand_ready_i"),
+            of_candidates("cand_tag_o"),
+            of_candidates("answer_valid_i & answer_ready_o"),
+            of_candidates("answer_tag_i"),
         );
         text
     }

@@ -1,5 +1,5 @@
-// The ports of the traversal unit: a ray that enters ends once, a request has a tag that is not in
-// use, and the memory answers requests alone.
+// The ports of the traversal unit: a ray that enters ends once, a request and a candidate have a tag
+// that is not in use, and the memory and the user answer what they were asked.
 module raypath_unit_ports_properties #(
   parameter int unsigned Contexts     = 8,
   parameter int unsigned ContextWidth = 3,
@@ -12,7 +12,11 @@ module raypath_unit_ports_properties #(
   input logic                    requests_i,
   input logic [ContextWidth-1:0] request_tag_i,
   input logic                    arrives_i,
-  input logic [ContextWidth-1:0] arrival_tag_i
+  input logic [ContextWidth-1:0] arrival_tag_i,
+  input logic                    asks_i,
+  input logic [ContextWidth-1:0] asked_tag_i,
+  input logic                    answers_i,
+  input logic [ContextWidth-1:0] answer_tag_i
 );
 
   localparam int unsigned Tags       = 2 ** ContextWidth;
@@ -23,6 +27,7 @@ module raypath_unit_ports_properties #(
 
   logic [ContextWidth:0]      inside_q;
   logic [Tags*CountWidth-1:0] left_q;  // beats of each tag that have not arrived
+  logic [Tags-1:0]            asked_q;  // candidates without a verdict
   logic [CountWidth-1:0]      left_of_request;
   logic [CountWidth-1:0]      left_of_arrival;
 
@@ -35,9 +40,16 @@ module raypath_unit_ports_properties #(
       runs_q      <= 1'b0;
       inside_q    <= '0;
       left_q      <= '0;
+      asked_q     <= '0;
     end else begin
       runs_q   <= was_reset_q;
       inside_q <= inside_q + {{ContextWidth{1'b0}}, enters_i} - {{ContextWidth{1'b0}}, leaves_i};
+      if (answers_i) begin
+        asked_q[answer_tag_i] <= 1'b0;
+      end
+      if (asks_i) begin
+        asked_q[asked_tag_i] <= 1'b1;
+      end
       if (arrives_i) begin
         left_q[arrival_tag_i*CountWidth +: CountWidth] <= left_of_arrival - 1'b1;
       end
@@ -53,8 +65,10 @@ module raypath_unit_ports_properties #(
       // A context is free again while its hit waits at the port.
       contexts_suffice:    assert (inside_q <= Contexts[ContextWidth:0] + 1'b1);
       tags_are_free:       assert (!requests_i || left_of_request == 0);
-      // Of the memory, not of the unit.
+      asks_once:           assert (!asks_i || !asked_q[asked_tag_i]);
+      // Of the memory and of the user, not of the unit.
       arrivals_were_asked: assert (!arrives_i || left_of_arrival != 0);
+      answers_were_asked:  assert (!answers_i || asked_q[answer_tag_i]);
     end
   end
 
