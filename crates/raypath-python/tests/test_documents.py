@@ -1,5 +1,6 @@
 """All examples: those of docstrings, of the document and of the notebook."""
 
+import dataclasses
 import doctest
 import inspect
 import os
@@ -24,7 +25,9 @@ def documented() -> dict[str, str]:
         if inspect.isclass(item) or inspect.isbuiltin(item):
             found[name] = item.__doc__ or ""
         if inspect.isclass(item):
-            attributes = (attribute for attribute in vars(item) if not attribute.startswith("_"))
+            # Those of a dataclass are the arguments of its docstring.
+            fields = [field.name for field in dataclasses.fields(item)] if dataclasses.is_dataclass(item) else []
+            attributes = (key for key in vars(item) if not key.startswith("_") and key not in fields)
             found |= {f"{name}.{attribute}": getattr(item, attribute).__doc__ or "" for attribute in attributes}
     return found
 

@@ -13,7 +13,7 @@ use crate::model::{Hit, HitInstance, Memory, RayRequest, Reply};
 use crate::native::MAX_STACK;
 use crate::query::{Front, instance_flags, ray_flags};
 use crate::state::{NO_INSTANCE, status};
-use crate::step::{StepParameters, VISIT_LIMIT};
+use crate::step::{StepParameters, UnitFeatures, VISIT_LIMIT};
 use crate::words::LEVELS;
 use raypath_model::{NearestFirst, OneRay};
 use raypath_ops::{Rules, array_of};
@@ -63,6 +63,7 @@ impl Trail {
             ray,
             decide,
             ready,
+            here: ready,
             now,
             extent: ray.t_max,
             best: None,
@@ -95,6 +96,8 @@ struct Descent<'d, M: ?Sized> {
     ray: &'d RayRequest,
     decide: &'d mut dyn FnMut(&Candidate) -> Verdict,
     ready: ReadyRay,
+    /// In the space of the instance, if the ray is in one.
+    here: ReadyRay,
     /// In the space of the instance, if the ray is in one.
     now: OneRay,
     extent: f32,
@@ -134,7 +137,8 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         let slot = |level: u32| (level & (entries - 1)) as usize % MAX_STACK;
         let lowest_kept = |level: u32| (level + 1).saturating_sub(entries);
         // As in the state of a ray; `target` while it descends again.
-        let (mut pending, mut base, mut target, mut instance_level) = (0_u64, 0, None, 0);
+        let (mut pending, mut base, mut target) = (0_u64, 0, None);
+        let (mut instance_level, mut outer_level) = (0, 0);
         let (mut child, mut level) = (self.ray.root, 0_u32);
         loop {
             match self.target_of(child, level) {
@@ -170,9 +174,13 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                     }
                 }
                 Target::Instance(address) => {
+                    let was_outside = self.instance.is_none();
+                    // Its constants take the place of others, also if its mask keeps the ray out.
+                    instance_level = level;
                     if let Some(root) = self.enter(address)? {
                         child = root;
-                        (places[level as usize], instance_level) = (0, level);
+                        places[level as usize] = 0;
+                        outer_level = if was_outside { level } else { outer_level };
                         pending &= !(1 << level);
                         level += 1;
                         continue;
@@ -196,8 +204,9 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                     return Ok(());
                 }
                 let deepest = 63 - pending.leading_zeros();
-                if deepest < base {
-                    // The stack has lost it: the ray descends again.
+                let is_in_lost_space = self.instance.is_some() && (outer_level..instance_level).contains(&deepest);
+                if deepest < base || is_in_lost_space {
+                    // The stack, or the constants in that space, are gone: the ray descends again.
                     (base, target, child, level) = (0, Some(deepest), self.ray.root, 0);
                     self.leave();
                     break;
@@ -225,7 +234,8 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     #[inline(always)]
     fn target_of(&self, child: u32, level: u32) -> Target {
         let low = self.parameters.node.block_bytes() - 1;
-        let may_enter = self.parameters.features.instances && self.instance.is_none();
+        let UnitFeatures { instances, nested, .. } = self.parameters.features;
+        let may_enter = instances && (nested || self.instance.is_none());
         let last_leaf = if self.parameters.features.has_flags() { 2 * MAX_LEAF } else { MAX_LEAF };
         let address = child & !low;
         match child & low {
@@ -423,11 +433,12 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         if self.parameters.features.has_flags() && instance.mask & self.ray.cull_mask == 0 {
             return Ok(None);
         }
-        let inside = self.answers.instance(&self.ready, block);
+        let inside = self.answers.instance(&self.here, block);
         if inside.is_refused {
             return Err(status::SCENE);
         }
         self.now = OneRay::new(&inside.ray).ok_or(status::SCENE)?;
+        self.here = inside;
         self.now.set_extent(self.extent);
         self.instance = Some(instance);
         Ok(Some(instance.root))
@@ -438,6 +449,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     fn leave(&mut self) {
         if self.instance.take().is_some() {
             self.now = OneRay::new(&self.ready.ray).unwrap_or(self.now);
+            self.here = self.ready;
             self.now.set_extent(self.extent);
         }
     }

@@ -176,7 +176,8 @@ impl UnitPorts {
             (true, false) => Queries::Flags,
             (true, true) => Queries::Full,
         };
-        let features = UnitFeatures { barycentrics: has("hit_u_o"), instances: has("hit_instance_o"), queries };
+        let (barycentrics, instances) = (has("hit_u_o"), has("hit_instance_o"));
+        let features = UnitFeatures { barycentrics, instances, queries, ..UnitFeatures::OFF };
         Self { widths: top.inputs().iter().map(|port| top.signal(port.signal).width).collect(), features }
     }
 

@@ -152,8 +152,10 @@ bundle! {
         pub instance: InstanceWords<C>,
         /// Its flags.
         pub instance_flags: InstanceFlags<C>,
-        /// The level of that instance. Its object begins one level deeper.
+        /// The level of that instance, the innermost. Its object begins one level deeper.
         pub instance_level: Word<C, 7>,
+        /// The level of the outermost instance that the path is in.
+        pub outer_level: Word<C, 7>,
     }
 
     /// The remaining children of a node, near to far: an entry of the stack.
@@ -275,6 +277,7 @@ impl<C: WordCircuit> RayState<C> {
             instance: InstanceWords::none(c),
             instance_flags: InstanceFlags::none(c),
             instance_level: c.word(0),
+            outer_level: c.word(0),
         }
     }
 }

@@ -14,7 +14,8 @@
 //!
 //! An instance is a level of the path with one child, the root of its object. From there on, jobs need the constants of
 //! the ray in the object's space. The ray leaves the instance when it takes a child of a level above, or begins again
-//! at the root.
+//! at the root. With nested instances, the constants are those in the innermost: if the child is in an instance that is
+//! neither the innermost nor none, the ray descends again from the root, which enters it again.
 
 use crate::blocks::{BOX_KINDS, MAX_LEAF, NODE_KIND, NodeKind};
 use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
@@ -43,6 +44,8 @@ pub struct UnitFeatures {
     pub barycentrics: bool,
     /// Scenes have instances.
     pub instances: bool,
+    /// Objects of instances have instances.
+    pub nested: bool,
     /// What decides which primitives count.
     pub queries: Queries,
 }
@@ -56,7 +59,7 @@ impl Default for StepParameters {
 
 impl UnitFeatures {
     /// No optional parts.
-    pub const OFF: Self = Self { barycentrics: false, instances: false, queries: Queries::None };
+    pub const OFF: Self = Self { barycentrics: false, instances: false, nested: false, queries: Queries::None };
 
     /// Whether there are flags of primitives and instances.
     pub(crate) fn has_flags(self) -> bool {
@@ -76,6 +79,7 @@ impl UnitFeatures {
             && (self.has_flags()
                 || !is_one_of(&["flags_", "cull_mask", "culls_", "geometry", "custom_index", "shader_offset"]))
             && (self.has_candidates() || !is_one_of(&CANDIDATES))
+            && (self.nested || !is_one_of(&["outer_level"]))
     }
 }
 
@@ -187,6 +191,14 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     // The first remaining child of the deepest pending level.
     let pops = leaf_ends | continues | is_masked | (has_boxes & !chosen.hit & !state.restarting);
     let deepest = state.pending.deepest();
+    // The constants are those of an instance that was fetched last, also if its mask keeps the ray out.
+    let instance_level = (may_enter | may_not).select(state.level, state.instance_level);
+    // The child is in an instance whose constants are gone.
+    let leads_to_lost_space = if features.nested {
+        state.inside & deepest.less(instance_level) & !deepest.less(state.outer_level)
+    } else {
+        no
+    };
     let parent = descends.select(state.level, deepest);
     let place = descends.select(first.part::<0, 2>(), place_of(c, &state, deepest).plus_constant(1));
     HalfStep {
@@ -202,7 +214,7 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
         ends,
         pops,
         is_empty: state.pending.is_empty(),
-        is_on_stack: !deepest.less(state.base),
+        is_on_stack: !deepest.less(state.base) & !leads_to_lost_space,
         deepest,
         parent,
         place,
@@ -210,6 +222,7 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
         rest: Group { present: Flags(array_of!(i => chosen.rest.present.0[i] & !enters)), ..chosen.rest },
         state: RayState {
             inside: state.inside | enters,
+            instance_level,
             instance: enters.select(
                 InstanceWords {
                     index,
@@ -219,7 +232,7 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
                 state.instance,
             ),
             instance_flags: enters.select(InstanceFlags::of(offset_and_flags), state.instance_flags),
-            instance_level: enters.select(state.level, state.instance_level),
+            outer_level: (enters & !state.inside).select(state.level, state.outer_level),
             leaf_address: leaf_moves
                 .select(state.leaf_address.plus_constant(parameters.node.block_bytes()), state.leaf_address),
             leaf_left: leaf_moves.select(after_block(c, parameters.node, state.leaf_left), state.leaf_left),
@@ -252,7 +265,8 @@ pub fn finish<C: WordCircuit>(
     let leaves_instance = at_root | (takes & parent.less(state.instance_level));
     let inside = state.inside & !leaves_instance;
     let target = Target::of(c, parameters, child, level);
-    let is_instance = if parameters.features.instances { target.is_instance & !inside } else { c.bit(false) };
+    let may_enter = if parameters.features.nested { c.bit(true) } else { !inside };
+    let is_instance = if parameters.features.instances { target.is_instance & may_enter } else { c.bit(false) };
     let fetches_instance = visits & is_instance;
     let fetches_node = visits & target.is_node;
     let instance_flags = leaves_instance.select(InstanceFlags::none(c), state.instance_flags);

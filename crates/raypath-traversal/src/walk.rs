@@ -112,7 +112,7 @@ impl Walk {
         // Each kind of answer has a copy of the step, from which the compiler removes what other answers need.
         match memory.block(block.address, parameters.node.block_bytes()) {
             Ok(bytes) if block.is_instance => {
-                self.inside = answers.instance(&self.outside, bytes);
+                self.inside = answers.instance(ready, bytes);
                 self.advance(parameters, Answers::enter(&self.inside, bytes))
             }
             Ok(bytes) if block.count == 0 => {

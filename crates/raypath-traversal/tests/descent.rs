@@ -20,7 +20,7 @@ fn rays_take_the_way_of_the_steps() {
         let (scene, root, features) = match random.random_range(0..6) {
             0 => {
                 let scene = TwoLevelScene::random(20, true, &mut random);
-                (scene.blocks, scene.root, INSTANCES)
+                (scene.blocks, scene.root, UnitFeatures { nested: random.random(), ..INSTANCES })
             }
             1..=3 => {
                 let (scene, root) = BlockScene::random_of(node, 500, &mut random);

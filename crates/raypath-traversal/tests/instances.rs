@@ -133,7 +133,7 @@ fn instances_that_no_ray_can_enter_end_it() {
     let valid = scene.instance(&fine);
     assert_eq!(found(&scene, valid), (Some(0), 0, 4.0, false));
     error(&scene, valid, UnitFeatures::OFF, status::SCENE);
-    // Nested, directly and below a node; nothing; no valid kind; behind the end of the memory.
+    // Nested, directly and below a node, in a unit that has no such instances; nothing; no valid kind; behind the end of the memory.
     let below = over(&mut scene, [valid]);
     for root in [valid, below, 0, 31, 34] {
         let word = scene.instance(&Instance { root, ..fine });
@@ -158,6 +158,46 @@ fn instances_that_no_ray_can_enter_end_it() {
             assert_eq!(found(&scene, root), (Some(0), 0, 4.0, false))
         } else {
             error(&scene, root, INSTANCES, status::SCENE)
+        }
+    }
+}
+
+/// A world, groups and objects: a ray goes on in a group after an object of it, and leaves both. The hit is that of the
+/// innermost instance, whatever the stack.
+#[test]
+fn instances_may_be_nested() {
+    let mut scene = Scene::default();
+    let moved = |z: f32| [IDENTITY[0], IDENTITY[1], [0.0, 0.0, 1.0, -z]];
+    let aside = LeafTriangle { triangle: Triangle::new([5.0, 5.0, 3.0], [6.0, 7.0, 3.0], [7.0, 5.0, 3.0]), index: 9 };
+    let (near, missed) = (scene.leaf(&[at(3.0, 1)]), scene.leaf(&[aside]));
+    let instance = |scene: &mut Scene, root: u32, z: f32, index: u32| {
+        scene.instance(&Instance { root, to_object: moved(z), index, ..Instance::default() })
+    };
+    // The nearest triangle is in the group itself, after an object that the ray passes.
+    let passed = instance(&mut scene, missed, 0.0, 1);
+    let far = instance(&mut scene, near, 50.0, 2);
+    let group = over(&mut scene, [passed, far, near]);
+    let first = instance(&mut scene, group, 10.0, 3);
+    // A group with an object alone, moved twice.
+    let object = instance(&mut scene, near, 2.0, 4);
+    let second = instance(&mut scene, object, 4.0, 5);
+    let loose = scene.leaf(&[at(40.0, 7)]);
+    for (parts, expected) in [
+        (vec![first], (Some(3), 1, 14.0)),
+        (vec![first, second], (Some(4), 1, 10.0)),
+        (vec![first, loose], (Some(3), 1, 14.0)),
+        (vec![loose, first, second], (Some(4), 1, 10.0)),
+    ] {
+        let (mut boxes, mut children) = ([never(); 4], [0; 4]);
+        boxes[..parts.len()].fill(everywhere());
+        children[..parts.len()].copy_from_slice(&parts);
+        let root = scene.node(boxes, children);
+        for stack in STACKS {
+            let features = UnitFeatures { nested: true, ..INSTANCES };
+            let mut unit = Unit::new(Rules::Paper, StepParameters { stack, features, ..StepParameters::default() });
+            let reply = unit.trace(&scene.0[..], &along_z(root));
+            let hit = reply.hit.expect("a hit");
+            assert_eq!((hit.instance.map(|instance| instance.index), hit.primitive, hit.t), expected, "stack {stack}");
         }
     }
 }

@@ -8,7 +8,7 @@ use raypath_traversal::{Queries, StepParameters, UnitFeatures, UnitNetlist, Unit
 fn unit(control: Control) -> UnitNetlist {
     // With all that a unit can have.
     let step = StepParameters {
-        features: UnitFeatures { barycentrics: true, instances: true, queries: Queries::Full },
+        features: UnitFeatures { barycentrics: true, instances: true, nested: true, queries: Queries::Full },
         ..StepParameters::default()
     };
     let parameters = UnitParameters { contexts: 8, memory_width: 256, step, ..UnitParameters::default() };

@@ -83,7 +83,14 @@ fn simulations_equal_the_unit_at_its_ports() {
         (100, 8, 1024, 57, wide, none),
         (100, 16, 256, 40, quantised, none),
         (100, 16, 512, 40, wide, UnitFeatures { instances: true, ..none }),
-        (100, 16, 512, 40, wide, UnitFeatures { instances: true, barycentrics: true, queries: Queries::Full }),
+        (
+            100,
+            16,
+            512,
+            40,
+            wide,
+            UnitFeatures { instances: true, barycentrics: true, nested: true, queries: Queries::Full },
+        ),
         (100, 16, 128, 40, quantised, UnitFeatures { barycentrics: true, ..none }),
     ] {
         let (mut blocks, root) = if features.instances {

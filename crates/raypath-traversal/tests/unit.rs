@@ -20,7 +20,8 @@ use raypath_traversal::{
 const NOTHING: UnitFeatures = UnitFeatures::OFF;
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
 const FLAGS: UnitFeatures = UnitFeatures { queries: Queries::Flags, ..NOTHING };
-const EVERYTHING: UnitFeatures = UnitFeatures { barycentrics: true, instances: true, queries: Queries::Full };
+const EVERYTHING: UnitFeatures =
+    UnitFeatures { barycentrics: true, instances: true, nested: true, queries: Queries::Full };
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
 const SLOW: Behaviour = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
 const BLOCKED: Behaviour = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
@@ -59,7 +60,11 @@ fn the_model_equals_the_netlist_in_every_cycle() {
         (3, (64, 8, Wide4, WEIGHTS, 1024, 16, 27), Control::Skid),
         (4, (9, 8, Quantised, UnitFeatures { barycentrics: true, ..FLAGS }, 128, 16, 4), Control::Credit),
         (5, (64, 4, Quantised, UnitFeatures { queries: Queries::Full, ..NOTHING }, 512, 16, 27), Control::Skid),
-        (6, (8, 2, Wide4, UnitFeatures { queries: Queries::None, ..EVERYTHING }, 128, 16, 1), Control::Credit),
+        (
+            6,
+            (8, 2, Wide4, UnitFeatures { queries: Queries::None, nested: false, ..EVERYTHING }, 128, 16, 1),
+            Control::Credit,
+        ),
         (7, (64, 8, Wide4, EVERYTHING, 1024, 16, 11), Control::Skid),
     ] {
         let front = [Front::CounterClockwise, Front::Clockwise][seed as usize % 2];

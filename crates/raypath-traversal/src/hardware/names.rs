@@ -43,6 +43,7 @@ declare! {
     "id-width": id_width, "1..64", "Bits of the number that a ray brings and its hit returns";
     "divider-latency": divider_latency, "1..27", "Cycles of a division, one of which begins in each cycle";
     "instances": step.features.instances, "true|false", "Scenes have instances; with wide4 only";
+    "nested-instances": step.features.nested, "true|false", "Objects of instances have instances; with instances only";
     "queries": step.features.queries, "none|flags|full",
         "What ray queries need: opacity, masks and flags of instances; with full also candidates for a shader";
     "front": step.front, "counter-clockwise|clockwise", "Order of the vertices of a front face";

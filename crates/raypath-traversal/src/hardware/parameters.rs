@@ -2,7 +2,7 @@
 
 use crate::blocks::NodeKind;
 use crate::query::Front;
-use crate::step::StepParameters;
+use crate::step::{StepParameters, UnitFeatures};
 use std::fmt;
 use thiserror::Error;
 
@@ -39,7 +39,11 @@ impl fmt::Display for UnitParameters {
         if step.node == NodeKind::Quantised {
             f.write_str(", quantised nodes")?;
         }
-        f.write_str(if step.features.instances { ", instances" } else { "" })?;
+        f.write_str(match step.features {
+            UnitFeatures { nested: true, .. } => ", nested instances",
+            UnitFeatures { instances: true, .. } => ", instances",
+            _ => "",
+        })?;
         if step.features.has_flags() {
             write!(f, ", queries {}", step.features.queries)?;
         }
@@ -77,6 +81,9 @@ impl UnitParameters {
         if memory_width > bits {
             let expected = format!("128, 256 or 512 with {node} nodes, whose blocks have {bits}");
             return error("memory-width", memory_width.to_string(), expected);
+        }
+        if features.nested && !features.instances {
+            return error("instances", "false".to_string(), "true, which nested instances need".to_string());
         }
         if features.instances && !node.has_instances() {
             return error("node", node.to_string(), "wide4, which instances need".to_string());

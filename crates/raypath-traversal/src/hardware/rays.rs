@@ -75,7 +75,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
             .port("transformed_is_last", is_last)
             .port("transformed_context", m.input("transformed_context_i", width))
             .ports(wires("transformed", &transformed))
-            .place(m, "u_entries", &entries(count, divider_latency)?)
+            .place(m, "u_entries", &entries(count, divider_latency, features.nested)?)
     } else {
         entering.place(m, "u_set_up", &set_up(count, divider_latency)?)
     };
@@ -115,9 +115,19 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         let at_instance = (constants.port("enters_instance"), constants.port("origin_context"));
         let object_origin = keep("u_object_origins", count, at_instance, constants.under("object"), job);
         let is_inside = m.input("job_inside_i", 1);
-        let pairs = origin.into_iter().chain(outside).zip(object_origin.into_iter().chain(inside));
+        let mut pairs: Vec<_> =
+            origin.into_iter().chain(outside).zip(object_origin.into_iter().chain(inside)).collect();
+        let direction = keep("u_directions", count, at_entry, wires("dir", &entry.dir), job);
+        if features.nested {
+            // The transform of a nested instance begins with the direction in the instance around it.
+            let object = keep("u_object_directions", count, at_instance, constants.under("direction"), job);
+            pairs.extend(direction.into_iter().zip(object));
+        } else {
+            pairs.extend(direction.iter().cloned().zip(direction.iter().cloned()));
+        }
+        let pairs = pairs.into_iter();
         let chosen = pairs.map(|((name, outside), (_, inside))| (name, is_inside.mux(inside, outside)));
-        chosen.chain(keep("u_directions", count, at_entry, wires("dir", &entry.dir), job)).collect()
+        chosen.collect()
     } else {
         origin.into_iter().chain(keep("u_constants", count, (is_known, known), derived, job)).collect()
     };

@@ -27,7 +27,7 @@ type Part = (u32, Aabb<Binary32>);
 impl TwoLevelScene {
     /// A scene with this number of instances around the origin: turned, sheared, mirrored, and some twice at the same
     /// place. If `is_odd`, some have matrices without an inverse, with huge numbers or NaN, or no
-    /// valid object, or that of a part of the scene, such as another instance.
+    /// valid object, or that of a part of the scene, such as another instance, or several parts.
     pub fn random(count: u32, is_odd: bool, random: &mut ChaCha8Rng) -> Self {
         let mut blocks = BlockScene::default();
         let objects: Vec<Object> = (0..random.random_range(1..4))
@@ -51,6 +51,11 @@ impl TwoLevelScene {
             if is_odd && random.random_range(0..6) == 0 {
                 let other = parts[random.random_range(0..parts.len())].0;
                 (instance, bounds) = (odd(instance, other, random), Aabb::new([-2.0; 3], [2.0; 3]));
+            }
+            if is_odd && random.random_range(0..4) == 0 {
+                let few: Vec<Part> = (0..3).map(|_| parts[random.random_range(0..parts.len())]).collect();
+                (instance.root, _) = blocks.upper(&few, random);
+                bounds = Aabb::new([-2.0; 3], [2.0; 3]);
             }
             parts.push((blocks.instance(&instance), bounds));
             instances.push((instance, triangles));
