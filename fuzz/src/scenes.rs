@@ -38,7 +38,7 @@ pub fn scene(bytes: &[u8]) -> bool {
     let node = if node & 1 == 0 { NodeKind::Wide4 } else { NodeKind::Quantised };
     let instances = node == NodeKind::Wide4 && flags & 8 != 0;
     let queries = if flags & 32 != 0 { Queries::Flags } else { Queries::None };
-    let features = UnitFeatures { instances, barycentrics: flags & 16 != 0, queries };
+    let features = UnitFeatures { instances, barycentrics: flags & 16 != 0, queries, ..UnitFeatures::OFF };
     let parameters = StepParameters { node, features, ..StepParameters::default() };
     let mut unit = Unit::new(Rules::Paper, parameters);
     let mut trace = || {

@@ -8,7 +8,7 @@ use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::status;
-use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
+use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray, verdict_of};
 use raypath_traversal::{
     Front, LEVELS, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures,
     UnitModel, UnitNetlist, UnitParameters,
@@ -79,7 +79,7 @@ const UNITS: [Setting; 8] = [
     with(
         unit(Control::Skid, [12, 2, 512, 5, 3]),
         NodeKind::Wide4,
-        UnitFeatures { barycentrics: true, instances: true, queries: Queries::Full },
+        UnitFeatures { barycentrics: true, instances: true, nested: true, queries: Queries::Full },
     ),
 ];
 
@@ -204,7 +204,7 @@ pub fn run(
     let (behaviour, longest_stall) = (*behaviour, *longest_stall);
     let mut counts = Counts { episodes: 1, ..Counts::default() };
     let mut model = Unit::new(Rules::Paper, parameters.step);
-    let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
+    let expected: Vec<Reply> = rays.iter().map(|ray| model.trace_with(&scene.0[..], ray, &mut verdict_of)).collect();
     let limit = if is_tight {
         let mut alone = episode.environment(parameters, seed);
         episode.drive(&mut alone, &mut [&mut UnitModel::of(unit)], u64::MAX, &mut resets())?;

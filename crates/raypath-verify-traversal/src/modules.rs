@@ -41,7 +41,7 @@ fn check_of(module: &Module) -> Option<Check> {
         "raypath_unit_set_up" | "raypath_unit_entries" => |bench, unit| set_up::run(bench, unit.divider_latency),
         "raypath_unit_decoder" => |bench, _| decoder::run(bench),
         "raypath_unit_distance" => |bench, _| distance::run(bench),
-        "raypath_unit_hits" => |bench, unit| hits::run(bench, unit.contexts, unit.divider_latency),
+        "raypath_unit_hits" => |bench, unit| hits::run(bench, unit),
         _ => return None,
     };
     Some(check)

@@ -5,7 +5,7 @@ use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
 use raypath_tools::ToolError;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::{Front, Queries, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
+use raypath_traversal::{Front, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 use raypath_verify::Error;
 use std::sync::Arc;
 
@@ -40,11 +40,8 @@ impl Variant {
 
     /// The parameters of a unit, with these parts.
     pub fn of(self, parameters: UnitParameters) -> UnitParameters {
-        let features = UnitFeatures {
-            barycentrics: self != Self::Plain,
-            instances: self == Self::Instances,
-            queries: Queries::None,
-        };
+        let features =
+            UnitFeatures { barycentrics: self != Self::Plain, instances: self == Self::Instances, ..UnitFeatures::OFF };
         let node = if self == Self::Quantised { NodeKind::Quantised } else { NodeKind::Wide4 };
         UnitParameters { step: StepParameters { node, features, ..parameters.step }, ..parameters }
     }

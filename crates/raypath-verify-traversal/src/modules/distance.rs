@@ -8,8 +8,10 @@ use raypath_traversal::{HitLimits, fold};
 
 /// A block, and the outcomes of its triangles.
 struct Block {
-    /// `t_min`, and whether clockwise and counter-clockwise triangles are culled.
-    limits: [u64; 3],
+    /// `t_min`, whether clockwise and counter-clockwise triangles are culled, and the hit after which others count:
+    /// whether there is one, its distance and its index.
+    limits: [u64; 6],
+    geometry: u64,
     indices: [u64; 3],
     triangles: Vec<Triangle>,
 }
@@ -23,7 +25,8 @@ struct Triangle {
 }
 
 /// What is compared. Some units have the numerators of barycentric coordinates.
-const CLOSEST: [&str; 8] = ["is_hit", "t", "t_num", "t_denom", "u_num", "v_num", "is_clockwise", "primitive"];
+const CLOSEST: [&str; 10] =
+    ["is_hit", "has_more", "t", "t_num", "t_denom", "u_num", "v_num", "is_clockwise", "primitive", "geometry"];
 
 /// The blocks of a check.
 const BLOCKS: usize = 3_000;
@@ -36,15 +39,19 @@ pub fn run(bench: &mut Bench) -> Result<(), String> {
     let [ready, is_complete] = bench.outputs(["ready_o", "valid_o"]);
     let fields = ["place_i", "is_last_i", "is_front_i", "t_num_i", "t_denom_i", "u_num_i", "v_num_i"];
     let fields = fields.map(|name| bench.input(name));
+    // Without candidates no hit comes after another.
+    let limits_count = if bench.input("limits_after_t_i").is_some() { 6 } else { 3 };
+    let geometry = bench.input("geometry_i");
     let per_block = if fields[0].is_some() { 3 } else { 1 };
     let closest: Vec<Option<usize>> = CLOSEST.map(|name| bench.output(&format!("closest_{name}_o"))).into();
     for number in 0..BLOCKS {
-        let block = random_block(bench, per_block);
+        let block = random_block(bench, per_block, limits_count);
         let mut entered = 0;
         for cycle in 0.. {
             let words = bench.words();
             words.iter().enumerate().for_each(|(input, &word)| bench.set(input, word));
-            (0..3).for_each(|k| bench.set(limits + k, block.limits[k]));
+            (0..limits_count).for_each(|k| bench.set(limits + k, block.limits[k]));
+            geometry.into_iter().for_each(|input| bench.set(input, block.geometry));
             (0..per_block).for_each(|k| bench.set(index + k, block.indices[k]));
             let triangle = block.triangles.get(entered).filter(|_| !bench.chance(4));
             bench.set(valid, triangle.is_some().into());
@@ -87,7 +94,7 @@ pub fn run(bench: &mut Bench) -> Result<(), String> {
 const LONGEST: u32 = 200;
 
 /// Triangles of a block are often at the same distance, or at the least.
-fn random_block(bench: &mut Bench, per_block: usize) -> Block {
+fn random_block(bench: &mut Bench, per_block: usize, limits_count: usize) -> Block {
     let random = &mut bench.random;
     // The datapath returns no other NaN.
     let canonical = |number: f32| if number.is_nan() { f32::NAN } else { number };
@@ -105,13 +112,18 @@ fn random_block(bench: &mut Bench, per_block: usize) -> Block {
         triangles.push(Triangle { is_hit, is_front, numbers });
     }
     let [t_num, t_denom, ..] = triangles[random.random_range(0..triangles.len())].numbers;
-    let least = [0.0, 0.0, t_num / t_denom, -t_num / t_denom, number(random)][random.random_range(0..5)];
+    let quotient = t_num / t_denom;
+    let least = [0.0, 0.0, quotient, -quotient, number(random), f32::NEG_INFINITY][random.random_range(0..6)];
     let mut culls = || u64::from(random.random_range(0..4) == 0);
-    let limits = [u64::from(least.to_bits()), culls(), culls()];
+    let culls = [culls(), culls()];
     let first: u64 = random.random_range(0..1 << 32);
     let mut index = || (first ^ [0, 1 << random.random_range(0..32)][random.random_range(0..2)]) & 0xffff_ffff;
     let indices = [index(), index(), index()];
-    Block { limits, indices, triangles }
+    let [t_num, t_denom, ..] = triangles[random.random_range(0..triangles.len())].numbers;
+    let after = [random.random_range(0..2), u64::from((t_num / t_denom).to_bits()), indices[random.random_range(0..3)]];
+    let after = if limits_count == 6 { after } else { [0; 3] };
+    let limits = [u64::from(least.to_bits()), culls[0], culls[1], after[0], after[1], after[2]];
+    Block { limits, geometry: random.random_range(0..1 << 32), indices, triangles }
 }
 
 impl Block {
@@ -131,7 +143,7 @@ impl Block {
                 v_num: v.into(),
                 is_clockwise: (!triangle.is_front).into(),
                 primitive: Word::truncate(self.indices[place] as u32),
-                geometry: Word::truncate(0),
+                geometry: Word::truncate(self.geometry as u32),
             };
             closest = fold(closest, (place == 0).into(), found, limits);
         }

@@ -2,13 +2,15 @@
 
 use super::{Bench, CYCLES, number};
 use rand::RngExt;
+use raypath_traversal::{Queries, UnitParameters};
 use std::collections::VecDeque;
 
-/// The status of a ray that hits a triangle.
+/// The status of a ray that hits a triangle, and of one that hits a box.
 const HIT: u64 = 1;
+const BOX: u64 = 2;
 
 /// A port out of a hit, the port in that it comes from, and whether it is 0 for a ray without a hit.
-const VALUES: [(&str, &str, bool); 9] = [
+const VALUES: [(&str, &str, bool); 12] = [
     ("status_o", "status_i", false),
     ("t_o", "next_extent_i", true),
     ("primitive_o", "next_primitive_i", true),
@@ -17,12 +19,17 @@ const VALUES: [(&str, &str, bool); 9] = [
     ("back_face_o", "next_back_face_i", true),
     ("nodes_o", "next_nodes_i", false),
     ("triangles_o", "next_triangles_i", false),
-    ("instance_o", "next_hit_instance_i", true),
+    ("instance_o", "next_hit_instance_index_i", true),
+    ("geometry_o", "next_geometry_i", true),
+    ("custom_index_o", "next_hit_instance_custom_index_i", true),
+    ("shader_offset_o", "next_hit_instance_shader_offset_i", true),
 ];
 
 /// Compares the hits of rays that end and are taken at random times, of all ports, with those that
 /// `docs/integration/unit.md` states. A hit waits only for the one before it and for its weights.
-pub fn run(bench: &mut Bench, contexts: u32, divider_latency: u32) -> Result<(), String> {
+pub fn run(bench: &mut Bench, unit: UnitParameters) -> Result<(), String> {
+    let UnitParameters { contexts, divider_latency, step, .. } = unit;
+    let hits: &[u64] = if step.features.queries == Queries::Full { &[HIT, BOX] } else { &[HIT] };
     let [ends, context, ready] = bench.inputs(["ends_i", "context_i", "ready_i"]);
     let [release, released, valid] = bench.outputs(["release_o", "context_o", "valid_o"]);
     let [status, t_denom] = bench.inputs(["status_i", "next_t_denom_i"]);
@@ -85,7 +92,7 @@ pub fn run(bench: &mut Bench, contexts: u32, divider_latency: u32) -> Result<(),
             return Err(format!("cycle {cycle}: a hit waits for {waits} cycles, and none is shown"));
         }
         if is_end {
-            let is_hit = words[status] == HIT;
+            let is_hit = hits.contains(&words[status]);
             let masked = |word: u64, is_of_hit: bool| if is_hit || !is_of_hit { word } else { 0 };
             let mut hit: Vec<u64> =
                 values.iter().map(|&(_, input, is_of_hit)| masked(words[input], is_of_hit)).collect();

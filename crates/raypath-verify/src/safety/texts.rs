@@ -39,12 +39,13 @@ impl ModuleTexts {
         Ok(Self { modules: verilog::sources(top, &[])?.into_iter().map(text).collect() })
     }
 
-    /// Inserts a fault. Returns false if its original text does not occur.
+    /// Inserts a fault. Returns false if its original text does not occur. The spaces that align lines do not count.
     pub fn insert(&mut self, fault: TextFault) -> bool {
-        let module = self.modules.iter_mut().find(|(name, _)| name == fault.module);
-        let Some((_, text)) = module.filter(|(_, text)| text.contains(fault.from)) else { return false };
-        *text = text.replace(fault.from, fault.to);
-        true
+        let Some((_, text)) = self.modules.iter_mut().find(|(name, _)| name == fault.module) else { return false };
+        let (from, aligned) = (without_alignment(fault.from), without_alignment(text));
+        let is_there = aligned.contains(&from);
+        *text = aligned.replace(&from, fault.to);
+        is_there
     }
 
     /// Replaces the text of a module, if it is there.
@@ -96,3 +97,13 @@ fn shell(module: &Module) -> String {
 
 /// Reset in the first cycle; later cycles are free to reset.
 pub const RESET: &str = "  initial assume (!rst_ni);\n";
+
+/// A text with one space in the place of several that are not at the beginning of a line.
+fn without_alignment(text: &str) -> String {
+    let (mut last, mut is_indent) = ('\n', true);
+    let keeps = |next: &char| {
+        is_indent = last == '\n' || (is_indent && last == ' ');
+        std::mem::replace(&mut last, *next) != ' ' || *next != ' ' || is_indent
+    };
+    text.chars().filter(keeps).collect()
+}
