@@ -178,6 +178,8 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     let repeats = if features.has_candidates() && parameters.node.triangles_per_block() > 1 { repeats } else { no };
     let has_next = c.word(parameters.node.triangles_per_block()).less(state.leaf_left);
     let leaf_moves = goes_on & !repeats & has_next;
+    // Where the ray ends, it does not matter.
+    let next_block = is_done & !repeats & has_next;
     let leaf_ends = goes_on & !repeats & !has_next;
 
     // The child at `place` of the tested node, or the only child of an instance.
@@ -233,9 +235,9 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
             ),
             instance_flags: enters.select(InstanceFlags::of(offset_and_flags), state.instance_flags),
             outer_level: (enters & !state.inside).select(state.level, state.outer_level),
-            leaf_address: leaf_moves
+            leaf_address: next_block
                 .select(state.leaf_address.plus_constant(parameters.node.block_bytes()), state.leaf_address),
-            leaf_left: leaf_moves.select(after_block(c, parameters.node, state.leaf_left), state.leaf_left),
+            leaf_left: next_block.select(after_block(c, parameters.node, state.leaf_left), state.leaf_left),
             // The ray is on its path again where it takes the next child.
             restarting: state.restarting & !is_lost & !(descends & at_target),
             ..state

@@ -1,16 +1,17 @@
 //! Opacity, masks and flags, against the rules of Vulkan and DirectX written down once more, for every triangle in
 //! binary64.
 
-use crate::common::{at, cross, dot, minus};
+use crate::common::{along_z, at, cross, dot, minus};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use raypath_model::Shape;
 use raypath_ops::{Aabb, Rules};
 use raypath_traversal::blocks::{Child, LeafTriangle, NodeKind};
 use raypath_traversal::state::status;
 use raypath_traversal::traffic::{BlockScene, never, random_ray};
 use raypath_traversal::{
-    Candidate, Front, Hit, HitInstance, Instance, Queries, RayRequest, StepParameters, Unit, UnitFeatures, Verdict,
-    instance_flags, ray_flags,
+    Candidate, Front, Hit, HitInstance, Instance, Queries, RayRequest, Response, StepParameters, Unit, UnitEngine,
+    UnitFeatures, UnitInputs, UnitModel, UnitOutputs, UnitParameters, Verdict, instance_flags, ray_flags,
 };
 use std::collections::BTreeSet;
 
@@ -251,7 +252,38 @@ fn flags_without_a_meaning_are_refused() {
         let is_refused = set(&opacity) > 1
             || set(&[back, front, ray_flags::SKIP_TRIANGLES]) > 1
             || set(&[ray_flags::SKIP_TRIANGLES, ray_flags::SKIP_AABBS]) > 1;
-        let reply = unit.trace(&scene.0[..], &RayRequest { flags, ..crate::common::along_z(root) });
+        let reply = unit.trace(&scene.0[..], &RayRequest { flags, ..along_z(root) });
         assert_eq!(reply.status == status::REFUSED, is_refused, "flags {flags:#b}");
     }
+}
+
+/// The cycles from the last beat of a block to its candidate, and from the answer to the hit, as
+/// `docs/reference/unit.md` has them.
+#[test]
+fn a_candidate_takes_as_many_cycles_as_documented() {
+    let mut scene = BlockScene::default();
+    let triangles = vec![at(3.0, 0)];
+    let root = leaf(&mut scene, &Geometry { index: 0, is_opaque: false, triangles });
+    let features = UnitFeatures { queries: Queries::Full, ..UnitFeatures::OFF };
+    let step = StepParameters { features, ..StepParameters::default() };
+    let parameters = UnitParameters { memory_width: 1024, step, ..UnitParameters::default() };
+    let mut unit = UnitModel::new(&Shape::default(), parameters);
+    let (mut block, mut arrived, mut asked, mut verdict) = (None, 0, 0, None);
+    for cycle in 0..500 {
+        let UnitOutputs { hit, candidate, request, .. } = unit.outputs();
+        let response = block.take().map(|tag| Response { tag, is_error: false, beat: &scene.0[..] });
+        arrived = if response.is_some() { cycle } else { arrived };
+        asked = if candidate.is_some() { cycle } else { asked };
+        if let Some((_, reply)) = hit {
+            assert_eq!((reply.status, asked - arrived - 1, cycle - asked - 2), (status::HIT, 33, 6));
+            return;
+        }
+        let ray = (cycle == 0).then(|| (0, along_z(root)));
+        let (candidate_ready, request_ready, hit_ready) = (true, true, true);
+        unit.cycle(&UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response });
+        // A verdict in the cycle after the candidate.
+        verdict = candidate.map(|asked| (asked.tag, Verdict::ACCEPT));
+        block = request.map(|request| request.tag);
+    }
+    panic!("the ray has not ended");
 }

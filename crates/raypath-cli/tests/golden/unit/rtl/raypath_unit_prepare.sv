@@ -103,10 +103,10 @@ module raypath_unit_prepare (
   logic       half_state_extent_t6;
   logic       half_state_extent_t7;
   logic       half_state_has_hit_t1;
+  logic       half_leaf_continues_t1;
+  logic       half_leaf_continues_t2;
   logic       half_state_leaf_address_t1;
   logic       half_state_leaf_address_t2;
-  logic       half_state_leaf_address_t3;
-  logic       half_state_leaf_address_t4;
   logic       half_state_restarting_t2;
   logic       half_state_restarting_t3;
   logic       half_state_restarting_t4;
@@ -201,14 +201,11 @@ module raypath_unit_prepare (
   assign half_state_restarting_o      = state_restarting_i & ~half_state_restarting_t10 &
       ~(half_state_restarting_t9 & half_state_restarting_t2);
   assign half_state_target_o          = state_target_i;
-  assign half_state_leaf_address_t1   = half_state_extent_t1 & state_any_hit_i &
-      half_state_has_hit_t1;
-  assign half_state_leaf_address_t2   = half_state_extent_t1 & ~half_state_leaf_address_t1;
-  assign half_state_leaf_address_t3   = 4'd3 < state_leaf_left_i;
-  assign half_state_leaf_address_t4   = half_state_leaf_address_t2 & half_state_leaf_address_t3;
-  assign half_state_leaf_address_o    = half_state_leaf_address_t4 ? state_leaf_address_i + 32'd128
+  assign half_state_leaf_address_t1   = 4'd3 < state_leaf_left_i;
+  assign half_state_leaf_address_t2   = half_state_extent_t1 & half_state_leaf_address_t1;
+  assign half_state_leaf_address_o    = half_state_leaf_address_t2 ? state_leaf_address_i + 32'd128
       : state_leaf_address_i;
-  assign half_state_leaf_left_o       = half_state_leaf_address_t4 ? state_leaf_left_i + 4'd13 :
+  assign half_state_leaf_left_o       = half_state_leaf_address_t2 ? state_leaf_left_i + 4'd13 :
       state_leaf_left_i;
   assign half_starts_o                = answer_kind_i == 4'd0;
   assign half_failed_t1               = answer_kind_i == 4'd5;
@@ -217,9 +214,12 @@ module raypath_unit_prepare (
   assign half_cannot_enter_o          = 1'b0;
   assign half_descends_o              = half_state_restarting_t9;
   assign half_is_lost_o               = half_state_restarting_t10;
-  assign half_leaf_continues_o        = half_state_leaf_address_t4;
-  assign half_ends_o                  = half_state_leaf_address_t1;
-  assign half_pops_o                  = (half_state_leaf_address_t2 & ~half_state_leaf_address_t3) |
+  assign half_leaf_continues_t1       = half_state_extent_t1 & state_any_hit_i &
+      half_state_has_hit_t1;
+  assign half_leaf_continues_t2       = half_state_extent_t1 & ~half_leaf_continues_t1;
+  assign half_leaf_continues_o        = half_leaf_continues_t2 & half_state_leaf_address_t1;
+  assign half_ends_o                  = half_leaf_continues_t1;
+  assign half_pops_o                  = (half_leaf_continues_t2 & ~half_state_leaf_address_t1) |
       (answer_kind_i == 4'd3) | (half_state_restarting_t1 & ~half_state_restarting_t8 &
       ~state_restarting_i);
   assign half_is_empty_o              = (state_pending_low_i == 32'd0) & (state_pending_high_i ==
