@@ -62,13 +62,14 @@ pub enum Queries {
     Full,
 }
 
-/// The order of the vertices of a front face, as the ray's origin sees them in the space of the object.
+/// The order of the vertices of a front face, as the ray's origin sees them in the space of the object, in right-handed
+/// axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Front {
-    /// Counter-clockwise.
+    /// Counter-clockwise. These are the front faces of Vulkan and DirectX, which say clockwise in left-handed axes.
     #[default]
     CounterClockwise,
-    /// Clockwise, as Vulkan and DirectX have it.
+    /// Clockwise.
     Clockwise,
 }
 

@@ -144,8 +144,8 @@ fn met(objects: &[Object], ray: &RayRequest, front: Front) -> Vec<Met> {
 
 fn random_objects(random: &mut ChaCha8Rng) -> Vec<Object> {
     let geometry = |index: u32, random: &mut ChaCha8Rng| {
+        let count = [1, 2, 3, 5][random.random_range(0..4)];
         let mut corner = || std::array::from_fn(|_| random.random_range(-1.5_f32..1.5));
-        let count = [1, 2, 3, 5][corner()[0].abs() as usize * 2];
         let triangles = (0..count)
             .map(|index| LeafTriangle { triangle: raypath_ops::Triangle::new(corner(), corner(), corner()), index });
         let triangles = triangles.collect();
