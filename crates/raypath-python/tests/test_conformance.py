@@ -54,9 +54,9 @@ def ask(
 ) -> tuple[Asked, Any]:
     """The candidates (ray, whether it is a box, geometry, primitive) of rays, and their hits."""
     scene = UNIT.scene(geometries, instances=instances or [Instance(np.eye(3, 4))])
-    origins, directions = (np.atleast_2d(f32(rays.pop(name))) for name in ("origins", "directions"))
-    origins, directions = (f32(array).copy() for array in np.broadcast_arrays(origins, directions))
-    query = UNIT.query(scene, scene.rays(origins, directions, **rays))
+    arrays = np.broadcast_arrays(*(np.atleast_2d(f32(rays[name])) for name in ("origins", "directions")))
+    more = {name: value for name, value in rays.items() if name not in ("origins", "directions")}
+    query = UNIT.query(scene, scene.rays(*(f32(array).copy() for array in arrays), **more))
     asked: Asked = []
     for candidates in query:
         fields = (candidates.ray, candidates.is_box, candidates.geometry, candidates.primitive)
@@ -265,19 +265,21 @@ def test_instance_flags(flip: bool, no_cull: bool) -> None:
 
 @pytest.mark.parametrize("which", [[0], [1], [2], [0, 1], [0, 1, 2]])
 def test_inactive(which: list[int]) -> None:
-    """A triangle with a vertex whose x is NaN is not there, and counts in the indices of the others."""
+    """A triangle with a vertex whose x is NaN is not there, a box as well, and they count in the indices of others."""
     triangles = f32(SQUARE)
     triangles[0, which, 0] = np.nan
     rays = towards([[0.7, 0.4, 0.2], [0.4, 0.7, 0.2]])
     _, hits = ask([Geometry(triangles)], None, rays)
     assert hits.status.tolist() == [UnitStatus.MISS, UnitStatus.HIT]
     assert hits.primitive[1] == 1
+    boxes = f32([[[np.nan, 0, 0], [1, 1, 0]], [[0, 0, -1], [1, 1, -1]]])
+    asked, _ = ask([Geometry(boxes=boxes)], None, rays)
+    assert [primitive for *_, primitive in asked] == [1, 1]
 
 
 def test_null_scene() -> None:
-    """A scene without anything, a node without children, is missed by all rays."""
-    boxes = np.tile(f32([np.inf] * 3 + [-np.inf] * 3), 4)
-    scene = raypath.UnitScene(boxes.tobytes() + bytes(32), 32)
+    """A scene without anything is missed by all rays."""
+    scene = raypath.UnitScene(b"", 0)
     rays = scene.rays(np.zeros((3, 3), np.float32), f32(np.eye(3)))
     assert UNIT.trace(scene, rays).status.tolist() == [UnitStatus.MISS] * 3
 

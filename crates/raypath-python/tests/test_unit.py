@@ -217,7 +217,8 @@ def test_simulation(unit: raypath.Unit, scene: raypath.UnitScene) -> None:
 def test_parameters(unit: raypath.Unit) -> None:
     """Keywords and TOML set the same parameters."""
     numbers_of = {"contexts": 8, "stack": 2, "memory_width": 256, "id_width": 12, "divider_latency": 11}
-    expected = {**numbers_of, "node": "wide4", "instances": False, "queries": "none", "front": "counter-clockwise"}
+    parts = {"instances": False, "nested_instances": False, "queries": "none", "front": "counter-clockwise"}
+    expected = {**numbers_of, "node": "wide4", **parts}
     assert unit.parameters == expected
     lines = ["contexts = 8", "stack = 2", "memory-width = 256", "id-width = 12", "barycentrics = true"]
     toml = raypath.Unit(config='preset = "compact"\n' + "\n".join(lines))

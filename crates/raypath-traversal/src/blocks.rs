@@ -72,7 +72,7 @@ pub const NODE_KIND: u32 = 32;
 /// What a child word refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Child {
-    /// Nothing, kind 0: the child is missing, and its box is never hit.
+    /// Nothing, the word 0.
     None,
     /// A node, kind 32.
     Node {

@@ -117,6 +117,7 @@ struct TestedNode {
 
 /// What a child word refers to.
 enum Target {
+    Missing,
     Node(u32),
     Instance(u32),
     /// The address, the number of triangles, and whether their geometry is opaque.
@@ -175,7 +176,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                 }
                 Target::Instance(address) => {
                     let was_outside = self.instance.is_none();
-                    // Its constants take the place of others, also if its mask keeps the ray out.
+                    // Its constants take the place of others, also if the ray stays out of it.
                     instance_level = level;
                     if let Some(root) = self.enter(address)? {
                         child = root;
@@ -196,6 +197,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                         return Ok(());
                     }
                 }
+                Target::Missing => {}
                 Target::Invalid => return Err(status::SCENE),
             }
             // The next child of the deepest pending level, unless it is behind the hit.
@@ -239,6 +241,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         let last_leaf = if self.parameters.features.has_flags() { 2 * MAX_LEAF } else { MAX_LEAF };
         let address = child & !low;
         match child & low {
+            _ if child == 0 => Target::Missing,
             NODE_KIND if level < LEVELS => Target::Node(address),
             kind if (1..=last_leaf).contains(&kind) => {
                 Target::Leaf(address, (kind - 1) % MAX_LEAF + 1, kind <= MAX_LEAF)
@@ -425,12 +428,14 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         self.ray.flags & flag != 0
     }
 
-    /// Enters an instance. Returns its only child, the root of its object, unless its mask keeps the ray out.
+    /// Enters an instance. Returns its only child, the root of its object, unless its mask keeps the ray out or it has
+    /// none.
     #[inline(always)]
     fn enter(&mut self, address: u32) -> Result<Option<u32>, u32> {
         let block = self.fetch(address, 1, 0)?;
         let instance = Instance::of(block.first_chunk().ok_or(status::MEMORY)?);
-        if self.parameters.features.has_flags() && instance.mask & self.ray.cull_mask == 0 {
+        let is_masked = self.parameters.features.has_flags() && instance.mask & self.ray.cull_mask == 0;
+        if is_masked || instance.root == 0 {
             return Ok(None);
         }
         let inside = self.answers.instance(&self.here, block);

@@ -162,8 +162,10 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     let (may_enter, may_not) = (is_of_instance(answer::ENTER), is_of_instance(answer::CANNOT_ENTER));
     let mask: Word<C, 8> = custom_and_mask.part::<24, 8>();
     let no_bit = Word::<C, 8>::new(c, c.word_and(8, mask.value, state.cull_mask.value)).is(0);
-    let is_masked = if features.has_flags() { (may_enter | may_not) & no_bit } else { c.bit(false) };
-    let (enters, cannot_enter) = (may_enter & !is_masked, may_not & !is_masked);
+    // Its mask keeps the ray out, or it has no tree.
+    let is_closed = if features.has_flags() { no_bit | root.is(0) } else { root.is(0) };
+    let stays_out = (may_enter | may_not) & is_closed;
+    let (enters, cannot_enter) = (may_enter & !is_closed, may_not & !is_closed);
     let failed = answer.kind.is(answer::ERROR) | is_refused | cannot_enter;
 
     let no = c.bit(false);
@@ -191,9 +193,9 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     let is_lost = has_boxes & !chosen.hit & state.restarting;
 
     // The first remaining child of the deepest pending level.
-    let pops = leaf_ends | continues | is_masked | (has_boxes & !chosen.hit & !state.restarting);
+    let pops = leaf_ends | continues | stays_out | (has_boxes & !chosen.hit & !state.restarting);
     let deepest = state.pending.deepest();
-    // The constants are those of an instance that was fetched last, also if its mask keeps the ray out.
+    // The constants are those of an instance that was fetched last, also if the ray stays out of it.
     let instance_level = (may_enter | may_not).select(state.level, state.instance_level);
     // The child is in an instance whose constants are gone.
     let leads_to_lost_space = if features.nested {
@@ -287,7 +289,8 @@ pub fn finish<C: WordCircuit>(
 
     let is_over_limit = !(state.nodes.less(c.word(VISIT_LIMIT)) & state.triangles.less(c.word(VISIT_LIMIT)));
     let is_over_limit = (fetches_node | fetches_instance | fetches_leaf) & is_over_limit;
-    let is_invalid = visits & !target.is_node & !target.is_leaf & !is_instance;
+    let is_missing = visits & target.is_missing;
+    let is_invalid = visits & !target.is_node & !target.is_leaf & !is_instance & !target.is_missing;
     let errs = half.failed | is_invalid | is_over_limit;
     let is_done = errs | half.ends | (pops & is_empty);
 
@@ -321,7 +324,7 @@ pub fn finish<C: WordCircuit>(
     };
     let kind = is_done.select(
         c.word(request::DONE),
-        (drops | is_lost | skips_leaf).select(c.word(request::CONTINUE), c.word(request::FETCH)),
+        (drops | is_lost | skips_leaf | is_missing).select(c.word(request::CONTINUE), c.word(request::FETCH)),
     );
     let kind =
         if parameters.features.has_candidates() { half.asks.select(c.word(request::CANDIDATE), kind) } else { kind };
@@ -474,6 +477,8 @@ fn numbered<C: WordCircuit, T: Select<C>>(values: [T; 4], number: Word<C, 2>) ->
 
 /// A child word, decoded.
 struct Target<C: WordCircuit> {
+    /// There is nothing.
+    is_missing: Bit<C>,
     is_node: Bit<C>,
     is_leaf: Bit<C>,
     is_instance: Bit<C>,
@@ -512,6 +517,7 @@ impl<C: WordCircuit> Target<C> {
         let address = Word::new(c, c.word_join((32 - low, part(low, 32 - low)), (low, c.constant_word(low, 0))));
         let is_instance = fits & kind.is(INSTANCE_KIND);
         Self {
+            is_missing: child.is(0),
             is_node: fits & kind.is(NODE_KIND),
             is_leaf: is_triangles | is_box,
             is_instance,

@@ -149,6 +149,23 @@ fn weights_of_vertices_give_the_point_of_the_hit() {
     assert_eq!(hit.expect("a hit").barycentric, None, "without the feature");
 }
 
+/// A child word of 0 is no child, whatever its box, and a root of 0 is a scene without anything.
+#[test]
+fn where_nothing_is_a_ray_goes_on() {
+    let everywhere = around(0.0, 100.0);
+    let mut memory = BlockScene::default();
+    let leaf = memory.leaf(&[at(3.0, 7)]);
+    let nothing = memory.node([everywhere; 4], [0; 4]);
+    let root = memory.node([everywhere; 4], [0, nothing, 0, leaf]);
+    for stack in STACKS {
+        let reply = trace(&memory, root, stack);
+        assert_eq!((reply.hit.map(|hit| hit.primitive), reply.nodes), (Some(7), 2), "stack {stack}");
+        for empty in [0, nothing] {
+            assert_eq!(trace(&memory, empty, stack).status, status::MISS, "stack {stack}");
+        }
+    }
+}
+
 #[test]
 fn memories_that_are_no_trees_end_the_ray() {
     let everywhere = around(0.0, 100.0);
@@ -162,8 +179,8 @@ fn memories_that_are_no_trees_end_the_ray() {
     let own = Child::Node { address: memory.address() }.word(NodeKind::Wide4).expect("a node");
     let cycle = memory.node([everywhere, never(), never(), never()], [own, 0, 0, 0]);
     error(&memory, cycle, status::SCENE);
-    // A child outside of the memory, none although its box is hit, and kinds that are not valid.
-    for child in [0x4000_0000 | 32, 0, 9, 31, 33, 63, leaf | 64, 0x80] {
+    // A child outside of the memory, and kinds that are not valid.
+    for child in [0x4000_0000 | 32, 9, 31, 33, 63, leaf | 64, 0x80] {
         let expected = if child >> 30 == 1 { status::MEMORY } else { status::SCENE };
         let root = memory.node([everywhere, never(), never(), never()], [child, 0, 0, 0]);
         error(&memory, root, expected);

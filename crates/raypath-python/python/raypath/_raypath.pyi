@@ -87,6 +87,7 @@ class _UnitParameters(TypedDict):
     divider_latency: int
     node: Literal["wide4", "quantised"]
     instances: bool
+    nested_instances: bool
     queries: Literal["none", "flags", "full"]
     front: Literal["counter-clockwise", "clockwise"]
 
@@ -849,6 +850,7 @@ class Unit:
         divider_latency: int = ...,
         node: Literal["wide4", "quantised"] = ...,
         instances: bool = ...,
+        nested_instances: bool = ...,
         queries: Literal["none", "flags", "full"] = ...,
         front: Literal["counter-clockwise", "clockwise"] = ...,
         registers: Literal["ieee", "recoded"] = ...,

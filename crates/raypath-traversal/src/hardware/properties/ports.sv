@@ -1,5 +1,5 @@
-// The ports of the traversal unit: a ray that enters ends once, a request and a candidate have a tag
-// that is not in use, and the memory and the user answer what they were asked.
+// The ports of the traversal unit: a ray that enters ends once, a request and a candidate have a
+// tag that is not in use, and the memory and the user answer what they were asked.
 module raypath_unit_ports_properties #(
   parameter int unsigned Contexts     = 8,
   parameter int unsigned ContextWidth = 3,

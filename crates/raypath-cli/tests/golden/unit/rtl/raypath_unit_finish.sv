@@ -108,15 +108,16 @@ module raypath_unit_finish (
   logic [31:0] next_nodes_t10;
   logic [6:0]  next_nodes_t11;
   logic        next_triangles_t1;
+  logic        request_kind_t1;
   logic        next_nodes_t12;
   logic        next_nodes_t13;
   logic        next_triangles_t2;
   logic [3:0]  next_triangles_t3;
   logic [1:0]  next_triangles_t4;
   logic [31:0] next_leaf_address_t1;
-  logic        request_kind_t1;
   logic        request_kind_t2;
   logic        request_kind_t3;
+  logic        request_kind_t4;
   logic        next_pending_low_t2;
   logic        next_pending_low_t3;
   logic        next_base_t1;
@@ -210,12 +211,15 @@ module raypath_unit_finish (
   assign next_leaf_address_o     = next_triangles_t2 ? next_leaf_address_t1 :
       half_state_leaf_address_i;
   assign next_leaf_left_o        = next_triangles_t2 ? next_triangles_t3 : half_state_leaf_left_i;
-  assign request_kind_t1         = (next_nodes_t13 | next_triangles_t2) & ~((half_state_nodes_i <
+  assign request_kind_t1         = next_nodes_t10 == 32'd0;
+  assign request_kind_t2         = (next_nodes_t13 | next_triangles_t2) & ~((half_state_nodes_i <
       32'h0100_0000) & (half_state_triangles_i < 32'h0100_0000));
-  assign request_kind_t2         = next_nodes_t9 & ~next_nodes_t12 & ~next_triangles_t1;
-  assign request_kind_t3         = half_failed_i | request_kind_t2 | request_kind_t1;
-  assign request_kind_o          = (request_kind_t3 | half_ends_i | (half_pops_i & half_is_empty_i))
-      ? 2'd2 : ((next_pending_low_t1 | half_is_lost_i) ? 2'd1 : 2'd0);
+  assign request_kind_t3         = next_nodes_t9 & ~next_nodes_t12 & ~next_triangles_t1 &
+      ~request_kind_t1;
+  assign request_kind_t4         = half_failed_i | request_kind_t3 | request_kind_t2;
+  assign request_kind_o          = (request_kind_t4 | half_ends_i | (half_pops_i & half_is_empty_i))
+      ? 2'd2 : ((next_pending_low_t1 | half_is_lost_i | (next_nodes_t9 & request_kind_t1)) ? 2'd1 :
+      2'd0);
   assign request_address_o       = next_leaf_address_t1;
   assign request_count_o         = next_nodes_t13 ? 2'd0 : next_triangles_t4;
   assign request_writes_o        = next_base_t1;
@@ -229,8 +233,8 @@ module raypath_unit_finish (
   assign request_group_tmin_1_o  = half_descends_i ? half_rest_tmin_1_i : top_tmin_2_i;
   assign request_group_tmin_2_o  = half_descends_i ? half_rest_tmin_2_i : top_tmin_2_i;
   assign request_status_t1       = half_is_refused_i ? 3'd3 : ((half_failed_i &
-      ~half_cannot_enter_i) ? 3'd4 : ((request_kind_t2 | half_cannot_enter_i) ? 3'd5 : 3'd6));
-  assign request_status_o        = request_kind_t3 ? request_status_t1 : (half_state_has_hit_i ?
+      ~half_cannot_enter_i) ? 3'd4 : ((request_kind_t3 | half_cannot_enter_i) ? 3'd5 : 3'd6));
+  assign request_status_o        = request_kind_t4 ? request_status_t1 : (half_state_has_hit_i ?
       3'd1 : 3'd0);
 
 endmodule : raypath_unit_finish
