@@ -748,8 +748,8 @@ typedef struct {
  */
 typedef struct {
   /**
-   * One of `RAYPATH_UNIT_…`: 0 miss, 1 hit, 3 ray refused, 4 error of the memory, 5 error of the scene, 6 limit of
-   * work.
+   * One of `RAYPATH_UNIT_…`: 0 miss, 1 hit of a triangle, 2 of a box, 3 ray refused, 4 error of the memory, 5 error
+   * of the scene, 6 limit of work.
    */
   uint32_t status;
   /**

@@ -135,8 +135,8 @@ hits! {
     " A ray without a hit has ``primitive``, ``geometry`` and ``instance`` -1 and ``t`` infinity; its other values are 0,"
     " except for ``status``, ``nodes`` and ``triangles``."
     UnitHits of UnitHit {
-        " uint32 array of shape (n,): a ``UnitStatus``: 0 miss, 1 hit, 3 ray refused, 4 error of the memory, 5 error of"
-        " the scene, 6 limit of work."
+        " uint32 array of shape (n,): a ``UnitStatus``: 0 miss, 1 hit of a triangle, 2 of a box, 3 ray refused, 4 error of"
+        " the memory, 5 error of the scene, 6 limit of work."
         status,
         " int32 array of shape (n,): the index, in its geometry, of the triangle that is hit; -1 for a miss."
         primitive,

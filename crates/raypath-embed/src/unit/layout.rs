@@ -30,8 +30,8 @@ pub struct UnitRay {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UnitHit {
-    /// One of `RAYPATH_UNIT_…`: 0 miss, 1 hit, 3 ray refused, 4 error of the memory, 5 error of the scene, 6 limit of
-    /// work.
+    /// One of `RAYPATH_UNIT_…`: 0 miss, 1 hit of a triangle, 2 of a box, 3 ray refused, 4 error of the memory, 5 error
+    /// of the scene, 6 limit of work.
     pub status: u32,
     /// The index of the triangle in its geometry.
     pub primitive: u32,

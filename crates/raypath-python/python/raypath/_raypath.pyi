@@ -758,8 +758,8 @@ class UnitHits:
         """The structured array of shape (n,), of which the other attributes are views."""
     @property
     def status(self) -> NDArray[np.uint32]:
-        """uint32 array of shape (n,): a ``UnitStatus``: 0 miss, 1 hit, 3 ray refused, 4 error of the memory, 5 error of
-        the scene, 6 limit of work."""
+        """uint32 array of shape (n,): a ``UnitStatus``: 0 miss, 1 hit of a triangle, 2 of a box, 3 ray refused, 4 error of
+        the memory, 5 error of the scene, 6 limit of work."""
     @property
     def primitive(self) -> NDArray[np.int32]:
         """int32 array of shape (n,): the index, in its geometry, of the triangle that is hit; -1 for a miss."""
