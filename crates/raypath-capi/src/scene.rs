@@ -47,28 +47,23 @@ pub unsafe extern "C" fn raypath_scene_build(
 ) -> Status {
     status(|| {
         // SAFETY: by the contract of this function.
-        let (unit, vertices, triangles, scene) = unsafe {
+        let (unit, vertices, triangles, boxes, geometries, scene) = unsafe {
             (
                 reference("unit", unit)?,
                 array("vertices", vertices, vertex_count)?,
                 array("indices", indices, triangle_count)?,
+                array("boxes", boxes, box_count)?,
+                array("geometries", geometries, geometry_count)?,
                 reference_mut("scene", scene)?,
             )
         };
         // SAFETY: as above.
         let placed = || unsafe { array("instances", instances, instance_count) };
         let instances = if instances.is_null() && instance_count == 0 { None } else { Some(placed()?.to_vec()) };
-        let geometries = if geometries.is_null() && geometry_count == 0 {
-            Vec::new()
-        } else {
-            // SAFETY: as above.
-            unsafe { array("geometries", geometries, geometry_count)? }.to_vec()
-        };
         let reach = if reach == 0.0 { None } else { Some(reach) };
         let (vertices, triangles) = (vertices.to_vec(), triangles.to_vec());
-        // SAFETY: as above.
-        let boxes = if boxes.is_null() && box_count == 0 { &[] } else { unsafe { array("boxes", boxes, box_count)? } };
-        let input = SceneInput { vertices, triangles, boxes: boxes.to_vec(), geometries, instances, reach };
+        let (boxes, geometries) = (boxes.to_vec(), geometries.to_vec());
+        let input = SceneInput { vertices, triangles, boxes, geometries, instances, reach };
         *scene = Box::into_raw(Box::new(Scene(unit.embedded.scene(input)?)));
         Ok(RAYPATH_OK)
     })

@@ -1,11 +1,12 @@
 //! The traversal unit around a datapath: opening, arrays of rays, generation.
 
-use crate::memory::{array, free, reference, reference_mut, required_text, results, separate, text};
+use crate::memory::{free, reference, reference_mut, required_text, text};
+use crate::query::raypath_unit_trace_with;
 use crate::status::{RAYPATH_OK, Status, address_or_null, status};
-use raypath_embed::{Front, Queries};
-use raypath_embed::{Unit as Embedded, UnitHit, UnitRay};
+use raypath_embed::{Front, Queries, Unit as Embedded, UnitHit, UnitRay};
 use std::ffi::{CString, c_char};
 use std::path::Path;
+use std::ptr;
 
 /// A traversal unit: a ray goes in, its closest or any hit comes out. It does not change, so any number of threads may
 /// use it at once, until `raypath_unit_close`.
@@ -191,22 +192,8 @@ pub unsafe extern "C" fn raypath_unit_trace(
     count: usize,
     hits: *mut UnitHit,
 ) -> Status {
-    status(|| {
-        let to = ("hits", hits.cast_const(), count);
-        separate(("scene", scene, size), to)?;
-        separate(("rays", rays, count), to)?;
-        // SAFETY: by the contract of this function; the hits overlap nothing.
-        let (unit, scene, rays, hits) = unsafe {
-            (
-                reference("unit", unit)?,
-                array("scene", scene, size)?,
-                array("rays", rays, count)?,
-                results("hits", hits, count)?,
-            )
-        };
-        unit.embedded.trace(scene, rays, hits)?;
-        Ok(RAYPATH_OK)
-    })
+    // SAFETY: by the contract of this function.
+    unsafe { raypath_unit_trace_with(unit, scene, size, rays, count, hits, None, ptr::null_mut()) }
 }
 
 /// Writes the hardware into a folder, as `raypath generate --unit` does: SystemVerilog, assertions, the AXI4 wrapper,

@@ -5,6 +5,7 @@
 //! time, so steps of the same ray do not overlap. The registers between the stages take a value in every cycle: what
 //! they have without a step is not used.
 
+use super::candidates::is_of_candidate;
 use super::connect::{Inputs, Named, Outputs, delay, keep, prefixed};
 use super::hits::is_shown;
 use super::parameters::UnitParameters;
@@ -225,15 +226,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     }
     let is_inside = next.iter().filter(|(name, _)| name == "inside");
     is_inside.for_each(|(_, wire)| m.output("is_inside_o", *wire));
-    let of_candidates = [
-        "leaf_is_box",
-        "leaf_is_opaque",
-        "instance_index",
-        "instance_custom_index",
-        "instance_shader_offset",
-        "instance_flags_flipped",
-    ];
-    let of_candidates = |name: &str| step.features.has_candidates() && of_candidates.contains(&name);
+    let of_candidates = |name: &str| step.features.has_candidates() && is_of_candidate("next", name, step.features);
     let shown = next.into_iter().filter(|(name, _)| is_shown(name) || of_candidates(name));
     shown.for_each(|(name, wire)| m.output(&format!("next_{name}_o"), wire));
     builder.finish()
