@@ -1619,8 +1619,8 @@ raypath_status raypath_unit_trace_with(const raypath_unit *unit,
  * `geometries` are those to which triangles and boxes belong in order; without, the triangles are one opaque geometry.
  * In a unit with `queries`, a triangle or a box is inactive that has a vertex or a corner whose x is NaN: it is not hit,
  * and counts in indices. With `instances` the scene has two levels, with all of it at each of `instance_count` places.
- * `reach` is the greatest distance, along any axis, between the origin of a ray and a vertex; 0 for 16 times the longest
- * side of the scene. Rays from further away may lose hits at the edges of boxes.
+ * `reach` is the greatest distance, along any axis, between the origin of a ray and a vertex in a scene with instances;
+ * 0 for 16 times its longest side. Rays from further away may lose hits at the edges of instances.
  *
  * Errors: `RAYPATH_ERROR_ARGUMENT` for an index of no vertex, a coordinate beyond 2^40, a matrix without an inverse, a
  * negative reach, nothing active, more than fits into 4 GiB, geometries with another number of triangles or boxes, a

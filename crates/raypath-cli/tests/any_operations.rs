@@ -101,7 +101,7 @@ fn typed_jobs_and_outcomes() {
 fn opcodes_are_assigned() {
     let rules = Rules::Paper;
     let set = Datapath::new()
-        .with(RayBox { rules })
+        .with(RayBox { rules, is_conservative: false })
         .with_opcode(2, RayTriangle { rules, rounding: Rounding::Unit })
         .with(Before::<4>);
     let opcodes: Vec<u64> = set.model().kinds().iter().map(|kind| kind.opcode()).collect();

@@ -6,9 +6,9 @@ use raypath_model::{
     BLOCK, Batch, BlockValue, Level, Packed, ShortFormat, baseline, blank, dispatch, run_blocks, run_blocks_in,
 };
 use raypath_ops::{
-    self as ops, Aabb, AngularOutput, Beat, BeatInput, Binary32, Bit, EuclideanOutput, Flags, Num, RayBoxConservative,
-    RayBoxInput, RayBoxOutput, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
-    RayTriangleInput, RayTriangleOutput, Rounding, Rules, Slab, Vec3, Word, array_of,
+    self as ops, Aabb, AngularOutput, Beat, BeatInput, Binary32, Bit, EuclideanOutput, Flags, Num, RayBoxInput,
+    RayBoxOutput, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput, RayTriangleInput,
+    RayTriangleOutput, Rounding, Rules, Slab, Vec3, Word, array_of,
 };
 use raypath_rtl::Semantics;
 
@@ -17,8 +17,9 @@ const BLOCKS: usize = 4;
 
 /// Computes a job for each ray. All slices have as many jobs.
 pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], results: &mut [QuadboxResult]) {
-    let (level, short) = (Level::new(), ShortFormat::lanes(semantics.format));
-    let batch = Batch::<2, 1>::new(semantics.rules_in_full()).short(short);
+    let short = ShortFormat::lanes(semantics.format);
+    let batch =
+        Batch::<2, 1>::new(semantics.rules_in_full()).conservative(semantics.features.conservative).short(short);
     let mut jobs = [blank::<RayBoxInput<Binary32>>(); BLOCKS];
     let mut answers = [blank::<RayBoxOutput<Binary32>>(); BLOCKS];
     for first in (0..results.len()).step_by(BLOCKS * BLOCK) {
@@ -31,15 +32,7 @@ pub fn quadbox(semantics: Semantics, rays: &[Ray], boxes: &[[Bounds; 4]], result
             let bounds = transpose::fields(|i| numbers_of_boxes(&boxes[at(i)]));
             *job = RayBoxInput { ray, aabb: array_of!(k => packed_box(&bounds, 6 * k)) };
         }
-        if semantics.features.conservative {
-            let (jobs, answers) = (&jobs[..used], &mut answers[..used]);
-            match short {
-                Some(lanes) => run_blocks_in(lanes, &RayBoxConservative, jobs, answers, &mut ()),
-                None => dispatch!(level, simd => run_blocks(simd, &RayBoxConservative, jobs, answers, &mut ())),
-            }
-        } else {
-            batch.quadbox(&jobs[..used], &mut answers[..used]);
-        }
+        batch.quadbox(&jobs[..used], &mut answers[..used]);
         for (results, answer) in results.chunks_mut(BLOCK).zip(&answers[..used]) {
             unpack_boxes(answer, results);
         }

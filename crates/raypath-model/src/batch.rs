@@ -41,6 +41,7 @@ pub struct Batch<const E: usize = 16, const A: usize = 8> {
 struct Settings {
     rules: Rules,
     rounding: Rounding,
+    is_conservative: bool,
     level: Level,
     short: Option<ShortLanes>,
 }
@@ -54,12 +55,18 @@ impl<const E: usize, const A: usize> Batch<E, A> {
     /// As [`new`](Self::new), with the instruction set `level`.
     pub fn at(level: Level, rules: Rules) -> Self {
         let (euclidean, angular) = (EuclideanState::zero(Packed), AngularState::zero(Packed));
-        Self { settings: Settings { rules, rounding: Rounding::Unit, level, short: None }, euclidean, angular }
+        let settings = Settings { rules, rounding: Rounding::Unit, is_conservative: false, level, short: None };
+        Self { settings, euclidean, angular }
     }
 
     /// The same models with another rounding of sums; [`Rounding::Unit`] by default.
     pub fn rounding(self, rounding: Rounding) -> Self {
         Self { settings: Settings { rounding, ..self.settings }, ..self }
+    }
+
+    /// The same models with [conservative](RayBox::is_conservative) boxes, or without them as by default.
+    pub fn conservative(self, is_conservative: bool) -> Self {
+        Self { settings: Settings { is_conservative, ..self.settings }, ..self }
     }
 
     /// The same models in a short format, for the rules `paper` and `chisel`; sums round after every addition.
@@ -109,21 +116,18 @@ use by_rounding;
 /// Boxes, with a call for each of the rules, so that they are constants in each. Not generic, so that other crates do not
 /// compile it once more.
 fn quadbox(settings: Settings, jobs: &[RayBoxInput<Packed>], answers: &mut [RayBoxOutput<Packed>]) {
-    let Settings { rules, level, short, .. } = settings;
+    let Settings { rules, is_conservative, level, short, .. } = settings;
+    let op = |rules| RayBox { rules, is_conservative };
     match (short, rules) {
-        (Some(lanes), Rules::Chisel) => run_blocks_in(lanes, &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ()),
-        (Some(lanes), _) => run_blocks_in(lanes, &RayBox { rules: Rules::Paper }, jobs, answers, &mut ()),
+        (Some(lanes), Rules::Chisel) => run_blocks_in(lanes, &op(Rules::Chisel), jobs, answers, &mut ()),
+        (Some(lanes), _) => run_blocks_in(lanes, &op(Rules::Paper), jobs, answers, &mut ()),
         (None, Rules::Paper) => {
-            let op = RayBox { rules: Rules::Paper };
-            dispatch!(level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
+            dispatch!(level, simd => run_blocks(simd, &op(Rules::Paper), jobs, answers, &mut ()));
         }
         // For comparisons with the original, which need no wide registers.
-        (None, Rules::Chisel) => {
-            run_blocks(baseline(), &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ());
-        }
+        (None, Rules::Chisel) => run_blocks(baseline(), &op(Rules::Chisel), jobs, answers, &mut ()),
         (None, Rules::Bounds(bits)) => {
-            let op = RayBox { rules: Rules::Bounds(bits) };
-            dispatch!(level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
+            dispatch!(level, simd => run_blocks(simd, &op(Rules::Bounds(bits)), jobs, answers, &mut ()));
         }
     }
 }

@@ -72,8 +72,8 @@ impl Circuit for Dynamic<'_> {
         either!(self, number(Single(value)), soft => soft.constant(value))
     }
     #[inline(never)]
-    fn one_plus_ulps(self, ulps: u32) -> SoftNumber {
-        either!(self, number(Binary32.one_plus_ulps(ulps)), soft => soft.one_plus_ulps(ulps))
+    fn ulps(self, ulps: u32) -> SoftNumber {
+        either!(self, number(Binary32.ulps(ulps)), soft => soft.ulps(ulps))
     }
     arithmetic! { add subtract multiply }
 

@@ -12,6 +12,7 @@ pub struct Functional<const E: usize = 16, const A: usize = 8, C: ModelCircuit =
     circuit: C,
     rules: Rules,
     rounding: Rounding,
+    is_conservative: bool,
     euclidean: EuclideanState<C>,
     angular: AngularState<C>,
 }
@@ -34,12 +35,17 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     /// The model over `circuit`, with accumulators of zero.
     pub fn over(circuit: C, rules: Rules) -> Self {
         let (euclidean, angular) = (EuclideanState::zero(circuit), AngularState::zero(circuit));
-        Self { circuit, rules, rounding: Rounding::Unit, euclidean, angular }
+        Self { circuit, rules, rounding: Rounding::Unit, is_conservative: false, euclidean, angular }
     }
 
     /// The same model with another rounding of sums; [`Rounding::Unit`] by default.
     pub fn rounding(self, rounding: Rounding) -> Self {
         Self { rounding, ..self }
+    }
+
+    /// The same model with [conservative](RayBox::is_conservative) boxes, or without them as by default.
+    pub fn conservative(self, is_conservative: bool) -> Self {
+        Self { is_conservative, ..self }
     }
 
     /// Computes a job. A beat of a distance updates its accumulator.
@@ -64,7 +70,8 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     /// Tests a ray against four boxes.
     #[inline(always)]
     pub fn quadbox(&self, input: &RayBoxInput<C>) -> RayBoxOutput<C> {
-        RayBox { rules: self.rules }.run_with(self.circuit, C::KERNELS, *input, ()).0
+        let Self { circuit, rules, is_conservative, .. } = *self;
+        RayBox { rules, is_conservative }.run_with(circuit, C::KERNELS, *input, ()).0
     }
 
     /// Adds a beat to the Euclidean distance.

@@ -143,8 +143,8 @@ where
         self.round(W::Nums::simd_from(self.simd, value))
     }
     #[inline(always)]
-    fn one_plus_ulps(self, ulps: u32) -> Self::Num {
-        self.constant(1.0 + ulps as f32 * self.rounding.ulp_of_one())
+    fn ulps(self, ulps: u32) -> Self::Num {
+        self.constant(ulps as f32 * self.rounding.ulp_of_one())
     }
     #[inline(always)]
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {

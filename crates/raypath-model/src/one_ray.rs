@@ -22,6 +22,7 @@ pub struct OneRay {
     /// The axes that become x, y and z for triangles, whose vertices are turned as they are read.
     axes: [usize; 3],
     turned_origin: Vec3<FourLanes>,
+    kz: Word<FourLanes, 2>,
 }
 
 /// The outcomes of four boxes, in their order.
@@ -104,6 +105,7 @@ impl OneRay {
             extent: num(ray.extent),
             shear: vector(ray.shear),
             axes: [axis(ray.kx), axis(ray.ky), axis(ray.kz)],
+            kz: lanes.word(ray.kz.value),
             turned_origin: Vec3 { x: along(ray.kx), y: along(ray.ky), z: along(ray.kz) },
         })
     }
@@ -139,8 +141,8 @@ impl OneRay {
     fn test(&self, rules: Rules, slabs: [[Number; 2]; 3]) -> FourBoxes {
         let slab = |axis: usize| Slab { min: self.num(slabs[axis][0]), max: self.num(slabs[axis][1]) };
         let aabb = Aabb { x: slab(0), y: slab(1), z: slab(2) };
-        let slabs = Slabs { rules, is_conservative: false };
-        let [entry] = slabs.run(self.lanes, SimdKernels, &self.ray(self.origin), &[aabb]);
+        let slabs = Slabs { rules, is_conservative: true };
+        let [entry] = slabs.run(self.lanes, SimdKernels, &self.ray(self.origin, self.kz), &[aabb]);
         FourBoxes { hits: bits(entry.hit), tmin: entry.tmin.value.0.to_array() }
     }
 
@@ -149,8 +151,8 @@ impl OneRay {
     #[inline(always)]
     pub fn triangles(&self, op: RayTriangleExtended, number: impl Fn(usize, usize) -> f32) -> FourTriangles {
         let zero = in_lanes(self.lanes, 0.0);
-        let input =
-            RayTriangleExtendedInput { ray: self.ray(self.turned_origin), triangle: self.turn(number), t_min: zero };
+        let (ray, triangle) = (self.turned_ray(), self.turn(number));
+        let input = RayTriangleExtendedInput { ray, triangle, t_min: zero };
         let (outcome, ()) = op.run(self.lanes, input, ());
         let edges = if op.barycentrics { [outcome.barycentric.v, outcome.barycentric.w] } else { [zero; 2] };
         outcomes(outcome.triangle_hit, outcome.t_num, outcome.t_denom, edges)
@@ -159,17 +161,22 @@ impl OneRay {
     /// Tests the fronts of four triangles, with numbers as those of [`triangles`](Self::triangles).
     #[inline(always)]
     pub fn fronts(&self, op: RayTriangle, number: impl Fn(usize, usize) -> f32) -> FourTriangles {
-        let input = RayTriangleInput { ray: self.ray(self.turned_origin), triangle: self.turn(number) };
+        let input = RayTriangleInput { ray: self.turned_ray(), triangle: self.turn(number) };
         let (outcome, ()) = op.run_with(self.lanes, SimdKernels, input, ());
         outcomes(outcome.triangle_hit, outcome.t_num, outcome.t_denom, [in_lanes(self.lanes, 0.0); 2])
     }
 
-    /// The ray for boxes, which do not read its axes, or for vertices that are turned already. No operation here reads
-    /// its direction.
+    /// The ray for boxes, which read kz alone of its axes, or for vertices that are turned already. No operation here
+    /// reads its direction.
     #[inline(always)]
-    fn ray(&self, origin: Vec3<FourLanes>) -> Ray<FourLanes> {
+    fn ray(&self, origin: Vec3<FourLanes>, kz: Word<FourLanes, 2>) -> Ray<FourLanes> {
         let Self { lanes, inv, extent, shear, .. } = *self;
-        Ray { origin, dir: inv, inv, extent, shear, kx: lanes.word(0), ky: lanes.word(1), kz: lanes.word(2) }
+        Ray { origin, dir: inv, inv, extent, shear, kx: lanes.word(0), ky: lanes.word(1), kz }
+    }
+
+    #[inline(always)]
+    fn turned_ray(&self) -> Ray<FourLanes> {
+        self.ray(self.turned_origin, self.lanes.word(2))
     }
 
     #[inline(always)]

@@ -50,8 +50,8 @@ impl Circuit for Packed {
     fn constant(self, value: f32) -> Self::Num {
         BlockValue([value; BLOCK])
     }
-    fn one_plus_ulps(self, ulps: u32) -> Self::Num {
-        BlockValue([Binary32.one_plus_ulps(ulps).0; BLOCK])
+    fn ulps(self, ulps: u32) -> Self::Num {
+        BlockValue([Binary32.ulps(ulps).0; BLOCK])
     }
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {
         a.zip(b, |a, b| a + b)

@@ -25,9 +25,8 @@ impl Circuit for Soft {
         SoftNumber(self.format.from_f32(value))
     }
     #[inline]
-    fn one_plus_ulps(self, ulps: u32) -> SoftNumber {
-        // In the IEEE 754 layout the next larger number has the next code.
-        SoftNumber(self.format.from_f32(1.0) + u64::from(ulps))
+    fn ulps(self, ulps: u32) -> SoftNumber {
+        SoftNumber(self.format.ulps(ulps))
     }
     #[inline]
     fn add(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {

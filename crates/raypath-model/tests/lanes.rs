@@ -130,7 +130,8 @@ fn blocks_compute_as_jobs_do() {
             _ => unreachable!(),
         })
         .collect();
-    let run = |block: &RayBoxInput<Packed>| RayBox { rules: Rules::Paper }.run(Packed, *block, ()).0;
+    let run =
+        |block: &RayBoxInput<Packed>| RayBox { rules: Rules::Paper, is_conservative: false }.run(Packed, *block, ()).0;
     let blocks: Vec<_> = pack::<RayBoxInput<Binary32>>(&inputs).iter().map(run).collect();
     for (answer, expected) in unpack::<RayBoxOutput<Binary32>>(&blocks, JOBS).zip(answers(
         JobKind::Quadbox,

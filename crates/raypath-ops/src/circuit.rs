@@ -36,8 +36,8 @@ pub trait Circuit: Copy + Debug + PartialEq {
 
     /// A constant, which must be exact in the circuit's format.
     fn constant(self, value: f32) -> Self::Num;
-    /// The number `ulps` units in the last place above 1, which must be less than 2.
-    fn one_plus_ulps(self, ulps: u32) -> Self::Num;
+    /// The number of this many units in the last place of 1: a power of two, at most 1.
+    fn ulps(self, ulps: u32) -> Self::Num;
     /// Sum.
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num;
     /// The sum of 3 to 64 terms, rounded once. The terms are truncated to a window below the greatest of their

@@ -73,6 +73,12 @@ impl<C: Circuit> Num<C> {
         (self.compare(other).greater() | other.is_nan()).select(self, other)
     }
 
+    /// The number without its sign.
+    #[inline(always)]
+    pub fn magnitude(self) -> Self {
+        self.sign_bit().select(-self, self)
+    }
+
     /// The number rounded in one direction to a shorter significand.
     #[inline(always)]
     pub fn narrow(self, to: Narrowing) -> Self {

@@ -63,8 +63,8 @@ macro_rules! native_numbers {
             $number(value.into())
         }
         #[inline(always)]
-        fn one_plus_ulps(self, ulps: u32) -> $number {
-            $number(1.0 + ulps as $float * <$float>::EPSILON)
+        fn ulps(self, ulps: u32) -> $number {
+            $number(ulps as $float * <$float>::EPSILON)
         }
         #[inline(always)]
         fn negate(self, a: $number) -> $number {

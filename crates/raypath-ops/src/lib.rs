@@ -13,7 +13,7 @@
 //! let aside = Aabb::new([4.0, 4.0, 4.0], [5.0, 5.0, 5.0]);
 //!
 //! let job = RayBoxInput { ray, aabb: [far, aside, near, aside] };
-//! let (hits, _) = RayBox { rules: Rules::Paper }.run(Binary32, job, ());
+//! let (hits, _) = RayBox { rules: Rules::Paper, is_conservative: false }.run(Binary32, job, ());
 //! assert_eq!(hits.is_intersect.to_array(), [true, true, false, false]);
 //! assert_eq!(hits.box_index.map(u32::from), [2, 0, 1, 3]);
 //! assert_eq!(f32::from(hits.tmin[0]), 4.0);
@@ -67,7 +67,7 @@ pub use kernels::{Kernels, LaneMap, Portable};
 pub use operation::Operation;
 pub use ports::{Port, PortKind, PortValue, from_words, ports_of, to_canonical_words, to_words};
 pub use ray::{Ray, RayError};
-pub use ray_box::{Entry, RayBox, RayBoxConservative, RayBoxInput, RayBoxOutput, Slabs, WIDENING_ULPS};
+pub use ray_box::{Entry, MARGIN_ULPS, RayBox, RayBoxInput, RayBoxOutput, Slabs};
 pub use ray_triangle::{Edges, RayTriangle, RayTriangleInput, RayTriangleOutput};
 pub use ray_triangle_extended::{
     Culling, ParseCullingError, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,

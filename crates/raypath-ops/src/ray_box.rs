@@ -1,11 +1,10 @@
 //! Ray against four boxes: the slab method (Table VII, column Quadbox).
 
 use crate::operation::run_portable;
-use crate::ray_box_bounds::outer_intervals;
+use crate::ray_box_bounds::outer_ends;
 use crate::rules::Interval;
 use crate::{
-    Aabb, Binary32, Bit, Circuit, Flags, Kernels, LaneMap, Num, Operation, Portable, Ray, Rules, SortEntry, Word,
-    bundle,
+    Aabb, Binary32, Bit, Circuit, Flags, Kernels, LaneMap, Num, Operation, Ray, Rules, SortEntry, Vec3, Word, bundle,
 };
 
 /// Tests a ray against four boxes and sorts the boxes by distance, the nearest hit first.
@@ -13,20 +12,15 @@ use crate::{
 pub struct RayBox {
     /// The rules for special cases.
     pub rules: Rules,
+    /// Lowers `tmin` by [`MARGIN_ULPS`], so that rounding never causes a miss: neither of a box that the ray touches nor
+    /// of a box around a triangle that [`RayTriangle`](crate::RayTriangle) hits. `docs/reference/error-bounds.md` has
+    /// the proof.
+    pub is_conservative: bool,
 }
 
-/// [`RayBox`] under the rules `paper`, widened so that rounding never causes a miss: `tmax` is multiplied by 1 +
-/// [`WIDENING_ULPS`] units in the last place before it is compared. `docs/reference/semantics.md` states the guarantee.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RayBoxConservative;
-
-/// The number of units in the last place of 1 by which the factor of [`RayBoxConservative`] exceeds 1.
-///
-/// A slab distance has three roundings: of the inverse, of the difference, and of the product. Two equal exact
-/// distances may therefore differ by a factor of (1 + 2u)^3, where u is half a unit in the last place of 1: slightly
-/// more than three units. Two units (Ize, "Robust BVH Ray Traversal", JCGT 2013) are enough if the inverse counts as
-/// exact.
-pub const WIDENING_ULPS: u32 = 3;
+/// By how much a conservative `tmin` is lowered, in units in the last place of 1, times the greater magnitude of the
+/// box's two distances along the axis kz: 32u, where u is half a unit in the last place of 1.
+pub const MARGIN_ULPS: u32 = 16;
 
 bundle! {
     /// A ray and four boxes.
@@ -64,36 +58,20 @@ impl Operation for RayBox {
         input: RayBoxInput<C>,
         _state: (),
     ) -> (RayBoxOutput<C>, ()) {
-        (nearest_first(c, kernels, input, Slabs { rules: self.rules, is_conservative: false }), ())
+        let Self { rules, is_conservative } = *self;
+        let RayBoxInput { ray, aabb } = input;
+
+        let hits = kernels.map(c, &Slabs { rules, is_conservative }, &ray, &aabb);
+        let unsorted: [SortEntry<C, 2>; 4] =
+            array_of!(i => SortEntry { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
+        c.label(format_args!("unsorted"), &unsorted);
+
+        c.stage_or(10, 8, "sort the four by tmin, values and indices");
+        let sorted = rules.sort(c, kernels, unsorted);
+        c.label(format_args!("sorted"), &sorted);
+
+        (RayBoxOutput::of_sorted(&sorted), ())
     }
-}
-
-impl Operation for RayBoxConservative {
-    const NAME: &'static str = RayBox::NAME;
-    type Input<C: Circuit> = RayBoxInput<C>;
-    type Output<C: Circuit> = RayBoxOutput<C>;
-    type State<C: Circuit> = ();
-
-    #[inline(always)]
-    fn run<C: Circuit>(&self, c: C, input: RayBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
-        (nearest_first(c, Portable, input, Slabs { rules: Rules::Paper, is_conservative: true }), ())
-    }
-}
-
-#[inline(always)]
-fn nearest_first<C: Circuit>(c: C, kernels: impl Kernels<C>, input: RayBoxInput<C>, slabs: Slabs) -> RayBoxOutput<C> {
-    let RayBoxInput { ray, aabb } = input;
-
-    let hits = kernels.map(c, &slabs, &ray, &aabb);
-    let unsorted: [SortEntry<C, 2>; 4] =
-        array_of!(i => SortEntry { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
-    c.label(format_args!("unsorted"), &unsorted);
-
-    c.stage_or(10, 8, "sort the four by tmin, values and indices");
-    let sorted = slabs.rules.sort(c, kernels, unsorted);
-    c.label(format_args!("sorted"), &sorted);
-
-    RayBoxOutput::of_sorted(&sorted)
 }
 
 impl<C: Circuit> RayBoxOutput<C> {
@@ -107,13 +85,13 @@ impl<C: Circuit> RayBoxOutput<C> {
     }
 }
 
-/// The slab method for one ray and several boxes, in stages 2 to 5. Per box it takes 6 adders, 6 multipliers and 7
-/// comparators under the rules `paper`.
+/// The slab method for one ray and several boxes, in stages 2 to 5, or 2 to 8 if it is conservative. Per box it takes 6
+/// adders, 6 multipliers and 7 comparators under the rules `paper`, and one more of each if it is conservative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Slabs {
     /// The rules for special cases.
     pub rules: Rules,
-    /// Widens boxes as [`RayBoxConservative`] does: one multiplier per box in stage 5; the comparison moves to stage 6.
+    /// As in [`RayBox`].
     pub is_conservative: bool,
 }
 
@@ -140,41 +118,66 @@ impl LaneMap for Slabs {
         ray: &Ray<C>,
         aabb: &[Aabb<C>; N],
     ) -> [Entry<C>; N] {
-        let inside = match self.rules {
-            Rules::Bounds(bits) => outer_intervals(c, kernels, bits, ray, aabb),
-            Rules::Paper | Rules::Chisel => self.intervals(c, kernels, ray, aabb),
+        let (ends, extent): ([SlabEnds<C>; N], _) = match self.rules {
+            Rules::Bounds(bits) => outer_ends(c, kernels, bits, ray, aabb),
+            Rules::Paper | Rules::Chisel => (self.ends(c, kernels, ray, aabb), ray.extent),
         };
+        let inside: [Interval<C>; N] = array_of!(i => {
+            let (near, far) = (array_of!(k => ends[i][k].0), array_of!(k => ends[i][k].1));
+            Interval {
+                tmin: self.rules.entry(c, kernels, format_args!("near_{i}"), near),
+                tmax: self.rules.exit(c, kernels, format_args!("far_{i}"), far, extent),
+            }
+        });
         c.label(format_args!("inside"), &inside);
-
-        let inside = if self.is_conservative {
-            c.stage(5, "tmax widened");
-            let factor = Num::new(c, c.one_plus_ulps(WIDENING_ULPS));
-            let widened: [Interval<C>; N] =
-                array_of!(i => Interval { tmin: inside[i].tmin, tmax: inside[i].tmax * factor });
-            c.label(format_args!("widened"), &widened);
-            c.stage(6, "hit = tmin against tmax");
-            widened
-        } else {
+        if !self.is_conservative {
             c.stage(5, "hit = tmin against tmax");
-            inside
-        };
+            return array_of!(i => {
+                let hit = self.rules.box_hit(inside[i]);
+                Entry { hit, tmin: hit.select(inside[i].tmin, c.infinity()) }
+            });
+        }
+
+        let depth: [Num<C>; N] = array_of!(i => {
+            let [(x0, x1), (y0, y1), (z0, z1)] = ends[i];
+            let near = Vec3 { x: x0, y: y0, z: z0 }.along(ray.kz);
+            let far = Vec3 { x: x1, y: y1, z: z1 }.along(ray.kz);
+            near.magnitude().larger(far.magnitude())
+        });
+        c.label(format_args!("depth"), &depth);
+
+        c.stage(5, "margin: 32u of the greater distance along kz");
+        let ulps = Num::new(c, c.ulps(MARGIN_ULPS));
+        let margin: [Num<C>; N] = array_of!(i => depth[i] * ulps);
+        c.label(format_args!("margin"), &margin);
+
+        c.stage_or(7, 6, "tmin - margin");
+        let lowered: [Interval<C>; N] =
+            array_of!(i => Interval { tmin: inside[i].tmin - margin[i], tmax: inside[i].tmax });
+        c.label(format_args!("lowered"), &lowered);
+
+        c.stage_or(8, 7, "hit = tmin against tmax");
         array_of!(i => {
-            let hit = self.rules.box_hit(inside[i]);
-            Entry { hit, tmin: hit.select(inside[i].tmin, c.infinity()) }
+            let hit = self.rules.box_hit(lowered[i]);
+            let tmin = lowered[i].tmin.is_below_zero().select(c.zero(), lowered[i].tmin);
+            Entry { hit, tmin: hit.select(tmin, c.infinity()) }
         })
     }
 }
 
+/// The distances at which a ray enters and leaves the slab of each axis.
+pub(crate) type SlabEnds<C> = [(Num<C>, Num<C>); 3];
+
 impl Slabs {
-    /// The interval of the ray in each box, each operator rounded to nearest.
+    /// Distances of planes, each operator rounded to nearest.
     #[inline(always)]
-    fn intervals<C: Circuit, const N: usize>(
+    fn ends<C: Circuit, const N: usize>(
         &self,
         c: C,
         kernels: impl Kernels<C>,
         ray: &Ray<C>,
         aabb: &[Aabb<C>; N],
-    ) -> [Interval<C>; N] {
+    ) -> [SlabEnds<C>; N] {
         c.stage(2, "every box bound - origin");
         let relative: [Aabb<C>; N] = array_of!(i => aabb[i] - ray.origin);
         c.label(format_args!("relative"), &relative);
@@ -188,17 +191,12 @@ impl Slabs {
             let Aabb { x, y, z } = distance[i];
             let slabs = [(x, ray.dir.x, ray.inv.x), (y, ray.dir.y, ray.inv.y), (z, ray.dir.z, ray.inv.z)];
             let backwards: [Bit<C>; 3] = array_of!(k => self.rules.runs_backwards(c, slabs[k].1, slabs[k].2));
-            let ends: [(Num<C>, Num<C>); 3] =
-                array_of!(k => kernels.exchange(backwards[k], slabs[k].0.min, slabs[k].0.max));
-            let (near, far): ([Num<C>; 3], [Num<C>; 3]) = (array_of!(k => ends[k].0), array_of!(k => ends[k].1));
+            let ends: SlabEnds<C> = array_of!(k => kernels.exchange(backwards[k], slabs[k].0.min, slabs[k].0.max));
             for (k, axis) in ["x", "y", "z"].iter().enumerate() {
-                c.label(format_args!("near_{i}_{axis}"), &near[k]);
-                c.label(format_args!("far_{i}_{axis}"), &far[k]);
+                c.label(format_args!("near_{i}_{axis}"), &ends[k].0);
+                c.label(format_args!("far_{i}_{axis}"), &ends[k].1);
             }
-            Interval {
-                tmin: self.rules.entry(c, kernels, format_args!("near_{i}"), near),
-                tmax: self.rules.exit(c, kernels, format_args!("far_{i}"), far, ray.extent),
-            }
+            ends
         })
     }
 }

@@ -4,7 +4,7 @@
 //! a near distance is a lower bound if every magnitude is rounded toward zero, and a far distance an upper bound if
 //! every magnitude is rounded away from zero. `docs/reference/error-bounds.md` has the proof.
 
-use crate::rules::Interval;
+use crate::ray_box::SlabEnds;
 use crate::{Aabb, Bit, BoxBits, Circuit, Kernels, Narrowing, Num, Ray};
 
 /// Units in the last place by which the inverse of a direction's component is moved before it is rounded.
@@ -17,16 +17,16 @@ const INVERSE_MARGIN: u32 = 4;
 /// Two bounds, distances or inverses: the one at which the ray enters a slab, and the one at which it leaves.
 type Ends<C> = (Num<C>, Num<C>);
 
-/// For each box, a lower bound of the distance at which the ray enters, and an upper bound of the distance at which it
-/// leaves or ends. In stages 1 to 4.
+/// For each slab of each box, a lower bound of the distance at which the ray enters, and an upper bound of the distance
+/// at which it leaves; and the extent, rounded as the latter. In stages 1 to 4.
 #[inline(always)]
-pub(crate) fn outer_intervals<C: Circuit, const N: usize>(
+pub(crate) fn outer_ends<C: Circuit, const N: usize>(
     c: C,
     kernels: impl Kernels<C>,
     BoxBits(bits): BoxBits,
     ray: &Ray<C>,
     aabb: &[Aabb<C>; N],
-) -> [Interval<C>; N] {
+) -> ([SlabEnds<C>; N], Num<C>) {
     let (toward, away) = (Narrowing::toward_zero(bits), Narrowing::away_from_zero(bits));
     let origin = [ray.origin.x, ray.origin.y, ray.origin.z];
     let inv = [ray.inv.x, ray.inv.y, ray.inv.z];
@@ -63,10 +63,7 @@ pub(crate) fn outer_intervals<C: Circuit, const N: usize>(
     name(c, "distance", &distance);
 
     c.stage(4, "tmin = max(near, 0), tmax = min(far, extent)");
-    array_of!(i => Interval {
-        tmin: kernels.largest_or_zero(c, format_args!("near_{i}"), near[i]),
-        tmax: kernels.smallest_or_extent(c, format_args!("far_{i}"), far[i], extent),
-    })
+    (distance, extent)
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];

@@ -57,7 +57,8 @@ fn unsupported_features_are_errors() {
     let half = Config::DEFAULT.format(Format::BINARY16).features(flags);
     let error = Datapath::paper(half).elaborate().expect_err("no model has them");
     assert!(error.to_string().contains("expected format fp32"), "{error}");
-    let chisel = Config::DEFAULT.rules(Rules::Chisel).features(ALL);
+    let quantised = Features { quantised_boxes: true, ..Features::OFF };
+    let chisel = Config::DEFAULT.rules(Rules::Chisel).features(quantised);
     let error = Datapath::paper(chisel).elaborate().expect_err("not under these rules");
     assert!(error.to_string().contains("expected rules paper"), "{error}");
 }

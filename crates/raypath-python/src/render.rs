@@ -6,7 +6,6 @@ use crate::error::value_error;
 use crate::hits::{Trace, TraceHit};
 use crate::tables::{list, row};
 use crate::timing::{figures, plain, system};
-use crate::unit::warn_beyond;
 use crate::watch::{abandoned_at_signals, watched};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -86,11 +85,9 @@ impl Rendering {
 /// Args:
 ///     vertices: float32 array of shape (n, 3): finite coordinates of magnitude at most 2**40.
 ///     faces: uint32 array of shape (n, 3): the vertices of each triangle, counter-clockwise as seen from its front.
-///     reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further away
-///         may lose hits at the edges of boxes. 16 times the longest side of the mesh by default.
 ///
 /// Raises:
-///     ValueError: another type or shape; a face of a vertex that does not exist; a coordinate or reach out of range.
+///     ValueError: another type or shape; a face of a vertex that does not exist; a coordinate out of range.
 ///     KeyboardInterrupt: after Ctrl-C. The building of a tree then ends in a thread of its own.
 ///
 /// Example:
@@ -108,30 +105,13 @@ pub struct PyScene {
 #[pymethods]
 impl PyScene {
     #[new]
-    #[pyo3(signature = (vertices, faces, *, reach = None))]
-    fn new(
-        py: Python<'_>,
-        vertices: &Bound<'_, PyAny>,
-        faces: &Bound<'_, PyAny>,
-        reach: Option<f32>,
-    ) -> PyResult<Self> {
+    fn new(py: Python<'_>, vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<Self> {
         let vertices = items::<[f32; 3]>(vertices, "vertices")?.to_vec();
         let faces = items::<[u32; 3]>(faces, "faces")?.to_vec();
-        Scene::check_reach(reach).map_err(value_error)?;
         abandoned_at_signals(py, move || {
             let mesh = Mesh::new(vertices, faces).map_err(value_error)?;
-            let scene = match reach {
-                None => Scene::new(mesh),
-                Some(reach) => Scene::with_reach(mesh, reach),
-            };
-            Ok(Self { inner: Arc::new(scene.map_err(value_error)?) })
+            Ok(Self { inner: Arc::new(Scene::new(mesh).map_err(value_error)?) })
         })
-    }
-
-    /// The distance, along any axis, between a ray origin and a vertex up to which no hit is lost.
-    #[getter]
-    fn reach(&self) -> f32 {
-        self.inner.reach()
     }
 
     /// The number of triangles.
@@ -140,25 +120,17 @@ impl PyScene {
     }
 
     fn __repr__(&self) -> String {
-        format!("<raypath.Scene: {} triangles, reach {}>", self.__len__(), self.reach())
+        format!("<raypath.Scene: {} triangles>", self.__len__())
     }
 
     /// The arguments that make an equal scene, for ``pickle``.
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let mesh = self.inner.mesh();
         let vertices = PyArray1::from_slice(py, mesh.positions().as_flattened());
         let faces = PyArray1::from_slice(py, mesh.triangles().as_flattened());
         let rows = |array: Bound<'py, PyAny>| array.call_method1("reshape", (-1, 3));
         let arrays = [rows(vertices.into_any())?, rows(faces.into_any())?];
-        Ok((PyTuple::new(py, arrays)?, row!(py, "reach": self.reach())?))
-    }
-}
-
-impl PyScene {
-    /// Warns of rays from beyond the reach.
-    fn warn(&self, py: Python<'_>, origins: impl Iterator<Item = [f32; 3]>) -> PyResult<()> {
-        let bounds = self.inner.bounds();
-        warn_beyond(py, self.inner.reach(), origins.map(|origin| bounds.reach_from(origin)))
+        PyTuple::new(py, arrays)
     }
 }
 
@@ -200,7 +172,6 @@ impl PyScene {
 ///     KeyboardInterrupt: after Ctrl-C.
 ///
 /// Warns:
-///     UserWarning: the camera is beyond the ``reach`` of the scene.
 ///
 /// Example:
 ///     >>> import numpy as np, raypath
@@ -245,7 +216,6 @@ pub fn render(
     let tracing = Tracing { rules: datapath.config().semantics.rules_in_full(), two_sided };
     let shading = Shading { tracing, shadows, ambient_occlusion: ao, samples, seed };
     let system = system(&datapath, rays_in_flight, memory_latency);
-    scene.get().warn(py, [camera.eye()].into_iter())?;
     let scene = &*scene.get().inner;
     watched(py, move |progress| {
         let rendered = render_scene(scene, &camera, size, &shading, progress).map_err(value_error)?;
@@ -282,7 +252,6 @@ pub fn render(
 ///     KeyboardInterrupt: after Ctrl-C.
 ///
 /// Warns:
-///     UserWarning: a ray begins beyond the ``reach`` of the scene.
 ///
 /// Example:
 ///     See ``raypath.Scene``.
@@ -304,7 +273,6 @@ pub fn trace(
     let rays: Vec<ops::Ray<ops::Binary32>> = items::<Ray>(rays, "rays")?.iter().map(Into::into).collect();
     let tracing = Tracing { rules: datapath.config().semantics.rules_in_full(), two_sided };
     let system = system(&datapath, rays_in_flight, memory_latency);
-    scene.get().warn(py, rays.iter().map(|ray| ray.origin.into()))?;
     let scene = &*scene.get().inner;
     let mut output = Output::new::<TraceHit>(py, rays.len())?;
     let rows = output.items()?;

@@ -94,8 +94,8 @@ impl Unit {
     ///     triangles: float32 array of shape (n, 3, 3): three vertices for each triangle, counter-clockwise as seen
     ///         from its front, with finite coordinates of magnitude at most 2**40. Or a list of ``raypath.Geometry``,
     ///         for a unit with ``queries``.
-    ///     reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further
-    ///         away may lose hits at the edges of boxes. 16 times the longest side of the scene by default.
+    ///     reach: with instances, the greatest distance, along any axis, between the origin of a ray and a vertex. Rays
+    ///         from further away may lose hits at the edges of instances. 16 times the longest side by default.
     ///     instances: the places of the triangles in the scene, for a unit with ``instances``: a float64 array of shape
     ///         (m, 3, 4), an affine matrix from the triangles to the scene for each place. The last number of each row
     ///         is the translation, and numbers have a magnitude of at most 2**40. Or a list of ``raypath.Instance``.
@@ -152,7 +152,8 @@ impl Unit {
         let inner = abandoned_at_signals(py, move || unit.scene(input).map_err(exception))?;
         let [min, max] = inner.bounds;
         let node = Some(self.inner.parameters().step.node);
-        Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)), node })
+        let within = inner.reach.is_finite().then_some((min, max, inner.reach));
+        Ok(UnitScene { data: inner.bytes, root: inner.root, within, node })
     }
 
     /// Traces rays by the functional model, without time. Of candidates, triangles are accepted and boxes ignored; see

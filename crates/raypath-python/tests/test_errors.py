@@ -69,7 +69,6 @@ ARRAYS: list[tuple[Callable[[Any], Any], str]] = [
     (lambda d: raypath.Scene(ONES, FACES.astype(np.int64) - 1), r"faces: found a int64 array .* expected .* uint32"),
     (lambda d: raypath.Scene(NAN, FACES), r"vertex 0 has x = NaN"),
     (lambda d: raypath.Scene(ONES, FACES[:0]), r"0 triangles, expected at least 1"),
-    (lambda d: raypath.Scene(ONES, FACES, reach=-1), r"reach: found -1"),
     (lambda d: raypath.render(SCENE, size=(0, 5)), r"size: found 0 x 5"),
     (lambda d: raypath.render(SCENE, eye=(0, 0, 0)), r"camera: eye and target are both"),
     (lambda d: raypath.render(SCENE, samples=65), r"65 x 65 samples"),
@@ -93,8 +92,8 @@ ARRAYS: list[tuple[Callable[[Any], Any], str]] = [
     (lambda d: raypath.Datapath(config="missing.toml"), r"missing.toml: No such file"),
     (lambda d: raypath.Datapath(with_="cone"), r"'cone' is not an added operation, expected .*sphere"),
     (
-        lambda d: raypath.Datapath(rules="chisel", conservative=True),
-        r"conservative: true is not available with rules chisel, because .*; expected rules paper",
+        lambda d: raypath.Datapath(rules="chisel", quantised_boxes=True),
+        r"quantised-boxes: true is not available with rules chisel, because .*; expected rules paper",
     ),
 ]
 

@@ -113,7 +113,7 @@ def test_pickles() -> None:
     unit = raypath.Unit("compact", contexts=16, barycentrics=True)
     memory = unit.scene(TRIANGLE[None])
     rays = memory.rays(f32([[0, 0, 4], [9, 0, 4]]), f32([[0, 0, -1], [0, 0, -1]]))
-    scene = raypath.Scene(TRIANGLE, np.array([[0, 1, 2]]), reach=100)
+    scene = raypath.Scene(TRIANGLE, np.array([[0, 1, 2]]))
     hits = raypath.trace(scene, raypath.rays(rays["origin"].copy(), rays["direction"].copy()), timed=2)
     again = pickle.loads(pickle.dumps((unit, memory, scene, hits)))
     assert [repr(one) for one in again] == [repr(unit), repr(memory), repr(scene), repr(hits)]

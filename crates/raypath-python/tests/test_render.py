@@ -45,17 +45,6 @@ def test_two_sided() -> None:
     assert (found.triangle.tolist(), found.back_face.tolist(), found.t.tolist()) == ([0, 0], [False, True], [4, 4])
 
 
-def test_reach() -> None:
-    """Rays and cameras from beyond the reach of a scene are traced with a warning."""
-    rays = raypath.rays(f32([[0, 0, 4], [0, 0, 400]]), f32([[0, 0, -1], [0, 0, -1]]))
-    with pytest.warns(UserWarning, match="1 rays begin 400 away .* built for a reach of 32: .* reach=400"):
-        assert raypath.trace(ONE, rays).t.tolist() == [4, 400]
-    far = raypath.Scene(f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]]), reach=400)
-    assert (far.reach, raypath.trace(far, rays).t.tolist()) == (400, [4, 400])
-    with pytest.warns(UserWarning, match="reach"):
-        raypath.render(ONE, eye=(0, 0, 400), size=(2, 2))
-
-
 def test_picture(mesh: Mesh) -> None:
     """The hits of a picture are those of its rays, traced one by one; each pixel that differs from the sky is hit."""
     width, height = 48, 32
@@ -74,7 +63,7 @@ def test_picture(mesh: Mesh) -> None:
     hits = picture.rays[0]["hits"]
     assert picture.rays[0]["rays"] == width * height
     assert abs(hits - (triangle >= 0).sum()) <= (doubt < 1e-4).sum()
-    nothing = raypath.Scene(f32([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0]]), mesh[1][:1], reach=6)
+    nothing = raypath.Scene(f32([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0]]), mesh[1][:1])
     sky = raypath.render(nothing, eye=(0, 0, 5), fov=40, size=(width, height))
     assert picture.image.shape == (height, width, 3)
     is_hit = (picture.image != sky.image).any(axis=2).ravel()

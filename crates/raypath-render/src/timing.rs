@@ -190,5 +190,5 @@ impl PictureSpec<'_> {
 
 /// The pipeline with the default number of lanes, which box and triangle jobs do not depend on.
 fn pipeline(system: &System, rules: Rules) -> CycleModel<Functional> {
-    system.pipeline(Functional::new(rules))
+    system.pipeline(Functional::new(rules).conservative(true))
 }

@@ -119,7 +119,7 @@ fn instances_have_the_hits_of_all_their_triangles() {
 fn a_picture_of_instances() {
     let Named { mesh, .. } = meshes::real("suzanne");
     let camera = Camera::framing_instances(&mesh, &placements(), 1.5);
-    let one_mesh = Scene::for_origins(flattened(&mesh), [camera.eye()]).unwrap();
+    let one_mesh = Scene::new(flattened(&mesh)).unwrap();
     let placed = Scene::of_instances(mesh, &placements(), [camera.eye()]).unwrap();
     let shading = Shading { shadows: true, ambient_occlusion: 2, ..Shading::default() };
     let picture = |scene: &Scene, shading: &Shading| render(scene, &camera, (90, 60), shading, &|_| true).unwrap();

@@ -4,9 +4,7 @@ use crate::common::meshes::{self, Named};
 use crate::common::rays::{Kind, rays};
 use raypath_model::Shape;
 use raypath_ops::Rules;
-use raypath_render::{
-    Hit, Mesh, PictureError, RayBatch, Scene, Tracing, UnitSystem, time_rays_through_unit, trace_closest,
-};
+use raypath_render::{Hit, PictureError, RayBatch, Scene, Tracing, UnitSystem, time_rays_through_unit, trace_closest};
 use raypath_timing::Sample;
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::system::MemoryParameters;
@@ -65,13 +63,4 @@ fn the_simulated_unit_reads_its_nodes() {
     let error = time(&scene.through_unit().unwrap()).err().unwrap();
     assert!(matches!(error, PictureError::Nodes { .. }));
     assert_eq!(error.to_string(), "the scene has wide4 nodes, expected quantised, which the unit reads");
-}
-
-/// Coordinates of a mesh are small enough, so that padding alone makes boxes too large.
-#[test]
-fn a_triangle_whose_box_is_too_large_is_named() {
-    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let scene = Scene::with_reach(Mesh::new(positions, vec![[0, 1, 2]]).unwrap(), f32::INFINITY).unwrap();
-    let error = scene.through_unit_of(NodeKind::Quantised).err().unwrap().to_string();
-    assert!(error.starts_with("the box of triangle 0 cannot be quantised: box 0 from -inf to inf"), "{error}");
 }

@@ -148,7 +148,7 @@ fn a_picture_through_the_simulated_unit() {
     let shading = Shading { shadows: true, ambient_occlusion: 2, ..Shading::default() };
     for Named { name, mesh } in [meshes::real("suzanne"), meshes::real("truck")] {
         let camera = Camera::framing(&mesh, 1.5);
-        let scene = Scene::for_origins(mesh, [camera.eye()]).unwrap().through_unit().unwrap();
+        let scene = Scene::new(mesh).unwrap().through_unit().unwrap();
         let (spec, size) = (PictureSpec { scene: &scene, camera, size: (48, 32), shading }, (48, 32));
         let expected = render(&scene, &camera, size, &shading, &|_| true).unwrap();
         let costs = [expected.primary, expected.shadow, expected.occlusion];

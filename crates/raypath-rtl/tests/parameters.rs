@@ -50,7 +50,7 @@ fn the_display_of_a_configuration_is_its_changes() {
 fn each_exception_is_refused() {
     let (folded, sums) = (Config::DEFAULT.interval(Interval::Four), Config::DEFAULT.rounding(Rounding::Sum));
     let (bounds, divided) = (Rules::Bounds(BoxBits::DEFAULT), UnitLatency::Two);
-    let (conservative, quantised) = (Config::DEFAULT.conservative(true), Config::DEFAULT.quantised_boxes(true));
+    let quantised = Config::DEFAULT.quantised_boxes(true);
     let refused = [
         (Config::DEFAULT.box_bits(BoxBits(9)), "box-bits: 9 is not available with rules paper", "rules bounds"),
         (
@@ -58,8 +58,6 @@ fn each_exception_is_refused() {
             "box-bits: 13 is not available with format fp16",
             "fewer box-bits or a longer format",
         ),
-        (conservative.rules(Rules::Chisel), "conservative: true is not available with rules chisel", "rules paper"),
-        (conservative.rules(bounds), "conservative: true is not available with rules bounds", "rules paper"),
         (
             quantised.conservative(true),
             "quantised-boxes: true is not available with conservative true",

@@ -16,7 +16,7 @@ fn with<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: R
     let rounding = Rounding::Unit;
     which.iter().try_fold(set, |set, &which| match which {
         0 => set.with(&RayTriangle { rules, rounding }, which),
-        1 => set.with(&RayBox { rules }, which),
+        1 => set.with(&RayBox { rules, is_conservative: false }, which),
         2 => set.with(&Euclidean::<E> { rounding }, which),
         _ => set.with(&Angular::<A> { rounding }, which),
     })

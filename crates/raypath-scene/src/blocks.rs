@@ -35,13 +35,8 @@ pub enum BlocksError {
         levels: u32,
     },
     /// A box has no quantised bounds.
-    #[error("the box of triangle {triangle} cannot be quantised: {problem}")]
-    Box {
-        /// A triangle of the mesh in the box.
-        triangle: u32,
-        /// The problem.
-        problem: BoxError,
-    },
+    #[error(transparent)]
+    Box(#[from] BoxError),
     /// Instances need the blocks of wide nodes.
     #[error("a scene of instances has no {nodes} nodes, expected wide4")]
     Instances {
@@ -93,10 +88,7 @@ impl Blocks {
             let block = NodeBlock { boxes: node.boxes, children: words };
             match kind {
                 NodeKind::Wide4 => nodes.extend(block.to_bytes()),
-                NodeKind::Quantised => nodes.extend(block.to_quantised_bytes().map_err(|problem| {
-                    let triangle = triangle_below(bvh, node.children[problem.child]);
-                    BlocksError::Box { triangle, problem }
-                })?),
+                NodeKind::Quantised => nodes.extend(block.to_quantised_bytes()?),
             }
         }
         nodes.extend(leaves);
@@ -201,16 +193,6 @@ impl Blocks {
     /// The child word of the root, which each ray begins with.
     pub fn root(&self) -> u32 {
         self.root
-    }
-}
-
-/// The index of a triangle below a child.
-fn triangle_below(bvh: &Bvh4, mut child: Reference) -> u32 {
-    loop {
-        match child.target() {
-            Target::Node(index) => child = bvh.nodes()[index as usize].children[0],
-            Target::Leaf { first, .. } => return bvh.index(first),
-        }
     }
 }
 

@@ -15,25 +15,9 @@ use thiserror::Error;
 /// finite origin is ±∞, and no inverse is 0), so tmin = +∞ exceeds tmax = −∞: a miss in both rule sets. (Boxes of NaN
 /// would be hit, because max and min discard a NaN distance.)
 ///
-/// # Padding of boxes
-/// Box tests and triangle tests round differently, so a ray through an edge could hit a triangle and miss the box
-/// around it. By `docs/reference/error-bounds.md`, tracing is watertight because the ray passes through the closed
-/// triangle A′B′C′ *as computed*. With R the greatest distance along any axis from the ray's origin to a vertex, and
-/// u = 2⁻²⁴:
-///
-/// - each computed vertex is within γ₄·(|r_kx| + |Sx·r_kz|) ≤ 8.01·u·R of the exact one along kx, and along ky, and not
-///   moved along kz. So the same weights that make the ray out of A′, B′, C′ make a point Q of the exact triangle
-///   out of A, B, C that is within 8.01·u·R of the exact ray along each axis.
-/// - A slab distance has a relative error of at most 3.01·u, which along its axis is at most 3.01·u·R. A box that is
-///   larger by that much on each side has computed near distances at most, and computed far distances at least, those
-///   at which the exact ray passes Q.
-/// - The t of a hit is at least the least depth of the vertices up to γ₈, that is less by at most 8.01·u·R along kz.
-///   With the 3.01·u·R of the near distance along kz, the box is entered along kz no later than t.
-///
-/// So boxes padded by 12·u·R on every side, rounded outwards, are hit whenever one of their triangles has the ray in
-/// its closed computed triangle. R is the *reach* of the scene. A reach of 16 (in units of the longest side of the
-/// mesh) pads by 1.1·10⁻⁵ of that side. The conditions are those of `docs/reference/error-bounds.md`: components of the
-/// direction are 0 or between 2⁻¹²⁶ and 2¹²⁶, nothing overflows.
+/// # Boxes of children
+/// They are the exact bounds of what is below. Box tests are [conservative](raypath_ops::RayBox::is_conservative), so no
+/// ray that hits a triangle misses a box around it.
 ///
 /// If cancellation changes t by more than the depth range of a triangle (a face seen edge-on), t may be less than the
 /// distance at which the ray enters the box *along kx or ky*. Such a hit can be culled in favour of another whose t
@@ -50,13 +34,12 @@ pub struct Bvh4 {
     geometries: Vec<Geometry>,
     stack: usize,
     levels: u32,
-    reach: f32,
 }
 
 /// An inner node with up to four children.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
-    /// The padded boxes of the children; a missing child has a box that no ray hits.
+    /// The boxes of the children; a missing child has a box that no ray hits.
     pub boxes: [Aabb<Binary32>; 4],
     /// The children; a missing child refers to the root.
     pub children: [Reference; 4],
@@ -119,23 +102,23 @@ impl Bvh4 {
     /// most 13 above the instances that fit into 4 GiB.
     pub const MAX_LEVELS: u32 = 48;
 
-    /// Builds the tree of a mesh for ray origins that are, along each axis, at most `reach` from every vertex.
+    /// Builds the tree of a mesh.
     ///
     /// # Errors
     /// More than [`MAX_TRIANGLES`](Self::MAX_TRIANGLES) triangles.
-    pub fn build(mesh: &Mesh, reach: f32) -> Result<Self, MeshTooLarge> {
+    pub fn build(mesh: &Mesh) -> Result<Self, MeshTooLarge> {
         let triangles = mesh.triangles().len();
         if triangles > Self::MAX_TRIANGLES {
             return Err(MeshTooLarge { triangles });
         }
-        Ok(Self::within(mesh, reach, Self::MAX_LEVELS))
+        Ok(Self::within(mesh, Self::MAX_LEVELS))
     }
 
     /// The tree of a mesh with at most `levels` levels, which must be enough for a balanced tree.
-    fn within(mesh: &Mesh, reach: f32, levels: u32) -> Self {
+    fn within(mesh: &Mesh, levels: u32) -> Self {
         let groups = Groups::of(mesh);
         let tree = binary_tree(mesh, &groups.first);
-        let mut collapse = Collapse::new(mesh, &groups, &tree, reach, levels);
+        let mut collapse = Collapse::new(mesh, &groups, &tree, levels);
         collapse.run();
         collapse.bvh
     }
@@ -177,11 +160,6 @@ impl Bvh4 {
     /// The number of levels of nodes, from 1 to [`MAX_LEVELS`](Self::MAX_LEVELS).
     pub fn levels(&self) -> u32 {
         self.levels
-    }
-
-    /// The reach for which the tree was built.
-    pub fn reach(&self) -> f32 {
-        self.reach
     }
 }
 
@@ -254,7 +232,6 @@ struct Collapse<'m> {
     /// The place of the triangles of each leaf of the binary tree in that list.
     firsts: Vec<u32>,
     max_levels: u32,
-    pad: f64,
     bvh: Bvh4,
 }
 
@@ -277,8 +254,7 @@ struct Task {
 }
 
 impl<'m> Collapse<'m> {
-    fn new(mesh: &'m Mesh, groups: &Groups, tree: &'m Bvh2, reach: f32, max_levels: u32) -> Self {
-        let pad = 12.0 * f64::from(f32::EPSILON / 2.0) * f64::from(reach);
+    fn new(mesh: &'m Mesh, groups: &Groups, tree: &'m Bvh2, max_levels: u32) -> Self {
         let bvh = Bvh4 {
             nodes: Vec::new(),
             triangles: Vec::new(),
@@ -287,7 +263,6 @@ impl<'m> Collapse<'m> {
             geometries: mesh.geometries().to_vec(),
             stack: 0,
             levels: 0,
-            reach,
         };
         let (mut counts, mut firsts, mut order) = (vec![0; tree.nodes.len()], vec![0; tree.nodes.len()], Vec::new());
         for &node in nodes_below(tree, 0).iter().rev() {
@@ -303,7 +278,7 @@ impl<'m> Collapse<'m> {
                 counts[node] = counts[first] + counts[first + 1];
             }
         }
-        Self { mesh, tree, counts, order, firsts, max_levels, pad, bvh }
+        Self { mesh, tree, counts, order, firsts, max_levels, bvh }
     }
 
     fn run(&mut self) {
@@ -330,7 +305,7 @@ impl<'m> Collapse<'m> {
                     }
                 };
                 self.bvh.nodes[node].children[child] = reference;
-                self.bvh.nodes[node].boxes[child] = padded(self.bounds(part), self.pad);
+                self.bvh.nodes[node].boxes[child] = aabb_of(self.bounds(part));
             }
         }
     }
@@ -458,9 +433,12 @@ fn balanced_levels(triangles: u32, full: u32) -> u32 {
 
 impl Node {
     fn empty() -> Self {
-        let never_hit = Aabb::new(Bounds::EMPTY.min, Bounds::EMPTY.max);
-        Self { boxes: [never_hit; 4], children: [Reference::ROOT; 4] }
+        Self { boxes: [aabb_of(Bounds::EMPTY); 4], children: [Reference::ROOT; 4] }
     }
+}
+
+fn aabb_of(bounds: Bounds) -> Aabb<Binary32> {
+    Aabb::new(bounds.min, bounds.max)
 }
 
 /// The box, enlarged by `pad` on each side and rounded outwards.
@@ -488,12 +466,12 @@ mod tests {
         let corners = (0..1000).flat_map(|n| [[0.0, 0.0, 1.0], [1.0 + n as f32, 0.0, 1.0], [0.0, 1.0 + n as f32, 1.0]]);
         let triangles = (0..1000).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
         let mesh = Mesh::new(corners.collect(), triangles).expect("a mesh");
-        let deep = Bvh4::within(&mesh, 16.0, u32::MAX);
+        let deep = Bvh4::within(&mesh, u32::MAX);
         let levels = deep.levels();
         assert!(levels > 64, "{levels} levels");
         assert_eq!(Blocks::of(&deep, NodeKind::Wide4), Err(BlocksError::TooDeep { levels }));
         for max in [7, 20, Bvh4::MAX_LEVELS] {
-            let tree = Bvh4::within(&mesh, 16.0, max);
+            let tree = Bvh4::within(&mesh, max);
             assert!(tree.levels() <= max, "{} levels, expected at most {max}", tree.levels());
             assert!(Blocks::of(&tree, NodeKind::Wide4).is_ok());
         }

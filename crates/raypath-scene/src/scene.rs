@@ -7,11 +7,10 @@ use crate::placement::Placement;
 use raypath_traversal::blocks::NodeKind;
 use thiserror::Error;
 
-/// The default reach in units of the longest side of the mesh.
+/// The default reach in units of the longest side of a scene of instances.
 const DEFAULT_REACH: f32 = 16.0;
 
-/// A mesh, or instances of one, with its bounding volume hierarchy, built for ray origins within its
-/// [`reach`](Self::reach).
+/// A mesh, or instances of one, with its bounding volume hierarchy.
 #[derive(Debug, Clone)]
 pub struct Scene {
     mesh: Mesh,
@@ -46,21 +45,13 @@ pub enum SceneError {
 pub struct ReachError(f32);
 
 impl Scene {
-    /// A scene for ray origins within 16 times the longest side of the mesh.
+    /// A scene of one level.
     ///
     /// # Errors
     /// More than [`Bvh4::MAX_TRIANGLES`] triangles.
     pub fn new(mesh: Mesh) -> Result<Self, MeshTooLarge> {
-        Self::for_origins(mesh, [])
-    }
-
-    /// A scene for ray origins at `origins` or within 16 times the longest side of the mesh.
-    ///
-    /// # Errors
-    /// More than [`Bvh4::MAX_TRIANGLES`] triangles.
-    pub fn for_origins(mesh: Mesh, origins: impl IntoIterator<Item = [f32; 3]>) -> Result<Self, MeshTooLarge> {
-        let reach = reach_of(mesh.bounds(), origins);
-        Self::with_reach(mesh, reach)
+        let (bounds, bvh) = (mesh.bounds(), Bvh4::build(&mesh)?);
+        Ok(Self { mesh, bounds, bvh, blocks: None, placed: Vec::new(), reach: f32::INFINITY })
     }
 
     /// A reach that a user gives.
@@ -74,21 +65,8 @@ impl Scene {
         }
     }
 
-    /// A scene for ray origins from which every point of the mesh is within `reach` along each axis. A smaller reach
-    /// than the longest side of the mesh is raised to it. Boxes are padded in proportion to the reach (see [`Bvh4`]),
-    /// so a greater reach costs a little time.
-    ///
-    /// # Errors
-    /// More than [`Bvh4::MAX_TRIANGLES`] triangles.
-    pub fn with_reach(mesh: Mesh, reach: f32) -> Result<Self, MeshTooLarge> {
-        let bounds = mesh.bounds();
-        let bvh = Bvh4::build(&mesh, reach.max(bounds.longest_side()))?;
-        let reach = bvh.reach();
-        Ok(Self { mesh, bounds, bvh, blocks: None, placed: Vec::new(), reach })
-    }
-
-    /// A scene of instances of a mesh, for ray origins as in [`for_origins`](Self::for_origins). Rays are traced
-    /// through the functional model of the unit.
+    /// A scene of instances of a mesh, for ray origins at `origins` or within 16 times the longest side of the scene.
+    /// Rays are traced through the functional model of the unit.
     ///
     /// # Errors
     /// Those of [`of_instances_with_reach`](Self::of_instances_with_reach).
@@ -101,7 +79,9 @@ impl Scene {
         Self::of_instances_with_reach(mesh, placements, reach)
     }
 
-    /// A scene of instances of a mesh, for ray origins within `reach` as in [`with_reach`](Self::with_reach).
+    /// A scene of instances of a mesh, for ray origins from which every point of it is within `reach` along each axis.
+    /// A smaller reach than the longest side is raised to it. The boxes of instances are padded in proportion to it,
+    /// because transforms round ([`Placement::pad`]).
     ///
     /// # Errors
     /// No instance; a scene that is too large; an instance that is too far away.
@@ -121,8 +101,7 @@ impl Scene {
         if let Some(instance) = placements.iter().position(is_far) {
             return Err(SceneError::Far(instance));
         }
-        let object_reach = placements.iter().map(in_object).fold(own.longest_side(), f32::max);
-        let bvh = Bvh4::build(&mesh, object_reach)?;
+        let bvh = Bvh4::build(&mesh)?;
         let placed: Vec<_> =
             placements.iter().map(|placement| (*placement, placement.pad(reach, coordinate))).collect();
         let parts: Vec<_> =
@@ -183,13 +162,13 @@ impl Scene {
         &self.bvh
     }
 
-    /// The distance, along any axis, between a ray origin and a point of the mesh up to which tracing is watertight.
+    /// The distance, along any axis, between a ray origin and a point of the scene up to which tracing is watertight:
+    /// infinite without instances.
     pub fn reach(&self) -> f32 {
         self.reach
     }
 
-    /// Whether tracing is watertight for rays from `origin`. Other rays may lose hits at the edge of a box, within the
-    /// rounding errors of the box test.
+    /// Whether tracing is watertight for rays from `origin`. Other rays may lose hits at the edge of an instance.
     pub fn reaches(&self, origin: [f32; 3]) -> bool {
         self.bounds.reach_from(origin) <= self.reach()
     }

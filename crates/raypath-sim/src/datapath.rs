@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// use raypath_ops::{RayBox, RayTriangle, Rounding, Rules};
 ///
 /// let rules = Rules::Paper;
-/// let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules, rounding: Rounding::Unit });
+/// let datapath = Datapath::new().with(RayBox { rules, is_conservative: false }).with(RayTriangle { rules, rounding: Rounding::Unit });
 /// let netlist = datapath.elaborate()?;
 /// assert_eq!((netlist.latency(), netlist.units(2).add), (12, 24));
 /// # Ok::<(), raypath_rtl::Error>(())

@@ -11,7 +11,7 @@
 //! use raypath_sim::{jobs::any_jobs, traffic::Traffic};
 //!
 //! let rules = Rules::Paper;
-//! let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules, rounding: Rounding::Unit });
+//! let datapath = Datapath::new().with(RayBox { rules, is_conservative: false }).with(RayTriangle { rules, rounding: Rounding::Unit });
 //! let elaborated = datapath.elaborate()?;
 //! let mut netlist = datapath.netlist(&elaborated)?;
 //! let jobs = any_jobs(datapath.model(), 1).take(200);

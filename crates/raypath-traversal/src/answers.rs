@@ -41,7 +41,7 @@ impl Answers {
         let rounding = Rounding::Unit;
         let (culling, facing, range) = (Culling::None, true, false);
         let triangles = RayTriangleExtended { rules, rounding, culling, facing, barycentrics, range };
-        Self { boxes: RayBox { rules }, triangles }
+        Self { boxes: RayBox { rules, is_conservative: true }, triangles }
     }
 
     /// The rules of the boxes.

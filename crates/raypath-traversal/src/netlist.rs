@@ -83,8 +83,8 @@ impl<'m> Circuit for Netlist<'m> {
     fn constant(self, value: f32) -> Value<'m> {
         self.constant_value(WIDTH, value.to_bits().into())
     }
-    fn one_plus_ulps(self, ulps: u32) -> Value<'m> {
-        self.constant_value(WIDTH, u64::from(1.0_f32.to_bits()) + u64::from(ulps))
+    fn ulps(self, ulps: u32) -> Value<'m> {
+        self.constant_value(WIDTH, u64::from((ulps as f32 * f32::EPSILON).to_bits()))
     }
     fn add(self, _a: Value<'m>, _b: Value<'m>) -> Value<'m> {
         self.no_arithmetic()

@@ -123,8 +123,10 @@ fn the_models_are_a_few_lines() {
     let rules = Rules::Paper;
     // ANCHOR: models
     // Hardware: SystemVerilog, schedule, units, registers.
-    let datapath =
-        Datapath::new().with(RayBox { rules }).with(RayTriangle { rules, rounding: Rounding::Unit }).with(WithinRadius);
+    let datapath = Datapath::new()
+        .with(RayBox { rules, is_conservative: false })
+        .with(RayTriangle { rules, rounding: Rounding::Unit })
+        .with(WithinRadius);
     let netlist = datapath.elaborate().expect("it fits");
 
     // The function itself, at native speed, for points at distances 1 to 4 and a radius of 2.5.
@@ -275,7 +277,7 @@ fn commands_of_raypath_take_the_operation() {
     assert!(code == Some(0) && text.contains("Oracle of within_radius"), "{code:?} {text}");
     let (code, text) = run("nothing");
     assert!(code == Some(2) && text.contains("sphere or within_radius"), "{code:?} {text}");
-    let taken =
-        add_operation(OperationSpec::of(RayBox { rules: Default::default() })).expect_err("a name that is taken");
+    let taken = add_operation(OperationSpec::of(RayBox { rules: Default::default(), is_conservative: false }))
+        .expect_err("a name that is taken");
     assert!(taken.contains("there is an operation 'quadbox'"), "{taken}");
 }

@@ -15,8 +15,8 @@ static void opening(void) {
               "configuration:2: control: 'fast'");
   CHECK_FAILS(raypath_open("preset = ", &datapath), RAYPATH_ERROR_CONFIGURATION, "configuration:1:");
   CHECK_FAILS(raypath_open("colour = 3", &datapath), RAYPATH_ERROR_CONFIGURATION, "'colour' is not a valid parameter");
-  CHECK_FAILS(raypath_open("rules = \"chisel\"\nconservative = true", &datapath), RAYPATH_ERROR_CONFIGURATION,
-              "conservative");
+  CHECK_FAILS(raypath_open("rules = \"chisel\"\nrounding = \"sum\"", &datapath), RAYPATH_ERROR_CONFIGURATION,
+              "rounding");
   CHECK_FAILS(raypath_open("\xff", &datapath), RAYPATH_ERROR_ARGUMENT, "expected UTF-8");
   CHECK_FAILS(raypath_open_with(NULL, "sphere,cube", &datapath), RAYPATH_ERROR_ARGUMENT,
               "'cube' is not an added operation");

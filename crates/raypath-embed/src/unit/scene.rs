@@ -15,7 +15,8 @@ pub struct UnitScene {
     pub root: u32,
     /// The corners of the box around the scene.
     pub bounds: [[f32; 3]; 2],
-    /// The greatest distance, along any axis, between a ray's origin and a vertex up to which no hit is lost.
+    /// The greatest distance, along any axis, between a ray's origin and a vertex up to which no hit is lost: infinite
+    /// without instances.
     pub reach: f32,
 }
 
@@ -35,7 +36,7 @@ pub struct SceneInput {
     pub geometries: Vec<SceneGeometry>,
     /// The places of the triangles in a scene of two levels; `None` for a scene of one level.
     pub instances: Option<Vec<SceneInstance>>,
-    /// The reach; 16 times the longest side of the scene by default.
+    /// The reach of a scene with instances; 16 times its longest side by default.
     pub reach: Option<f32>,
 }
 
@@ -179,8 +180,7 @@ impl Unit {
         let places = places.transpose()?;
         let build = || -> Result<Scene, SceneError> {
             let scene = match (places, reach) {
-                (None, None) => Scene::new(mesh)?,
-                (None, Some(reach)) => Scene::with_reach(mesh, reach)?,
+                (None, _) => Scene::new(mesh)?,
                 (Some(places), None) => Scene::of_instances(mesh, &places, [])?,
                 (Some(places), Some(reach)) => Scene::of_instances_with_reach(mesh, &places, reach)?,
             };

@@ -139,6 +139,11 @@ impl Format {
         self.code(Self::BINARY32.value(number.to_bits().into()))
     }
 
+    /// The number of this many units in the last place of 1: a power of two, at most 1.
+    pub fn ulps(self, ulps: u32) -> u64 {
+        self.from_f32(ulps as f32 * 2.0_f32.powi(1 - self.significand() as i32))
+    }
+
     /// The number, exact: binary64 has all numbers of all formats.
     #[inline]
     pub fn to_f64(self, a: u64) -> f64 {

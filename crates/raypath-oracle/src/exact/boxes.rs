@@ -49,16 +49,16 @@ impl Slabs {
     /// The boxes in the order of the outcome.
     pub fn answer(self, arithmetic: &Arithmetic, inputs: &Inputs, count: usize) -> Vec<Entry> {
         let entry = |(index, bounds): (usize, &[Slab<Number>; 3])| {
-            let Interval { tmin, tmax } = match self.rules {
+            let (ends, Interval { tmin, tmax }) = match self.rules {
                 Rules::Paper => by_paper(arithmetic, inputs, bounds),
                 Rules::Chisel => by_chisel(arithmetic, inputs, bounds),
                 Rules::Bounds(BoxBits(bits)) => by_bounds(arithmetic, inputs, bounds, bits),
             };
-            let factor = arithmetic.one_plus_ulps(3);
-            let tmax = tmax.map(|tmax| if self.is_conservative { arithmetic.mul(tmax, factor) } else { tmax });
+            let tmin = if self.is_conservative { lowered(arithmetic, inputs, ends, tmin) } else { tmin };
             let is_strict = (self.rules == Rules::Chisel) != arithmetic.makes(Mistake::StrictBoxes);
             let is_right = if is_strict { Ordering::is_lt } else { Ordering::is_le };
-            Entry::new(tmax.and_then(|tmax| tmin.order(tmax)).is_some_and(is_right), tmin, index)
+            let is_hit = tmax.and_then(|tmax| tmin.order(tmax)).is_some_and(is_right);
+            Entry::new(is_hit, if tmin.is_below_zero() { Number::ZERO } else { tmin }, index)
         };
         let entries: Vec<Entry> = inputs.boxes.iter().take(count).enumerate().map(entry).collect();
         match self.rules {
@@ -66,6 +66,15 @@ impl Slabs {
             Rules::Paper | Rules::Bounds(_) => nearest_first(arithmetic, entries),
         }
     }
+}
+
+/// A conservative box begins earlier, by 32u of the greater distance along kz.
+fn lowered(arithmetic: &Arithmetic, inputs: &Inputs, Ends { near, far }: Ends, tmin: Number) -> Number {
+    let along_kz = [near, far].map(|ends| ends[inputs.axes[2].min(2)]);
+    let magnitude = |number: Number| if number.is_negative() { number.negated() } else { number };
+    let numbers = along_kz.map(magnitude).into_iter().filter(|number| !number.is_nan());
+    let greatest = numbers.reduce(|a, b| if b.order(a).is_some_and(Ordering::is_gt) { b } else { a });
+    arithmetic.sub(tmin, arithmetic.mul(greatest.unwrap_or(Number::Nan), arithmetic.ulps(16)))
 }
 
 /// Ruling 5: hits before misses, nearer first, equal distances by index.
@@ -106,19 +115,21 @@ fn distances(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3
     })
 }
 
-fn by_paper(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3]) -> Interval {
+fn by_paper(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3]) -> (Ends, Interval) {
     let backwards = inputs.inverse.map(Number::is_negative);
-    limits(arithmetic, ends(arithmetic, distances(arithmetic, inputs, bounds), backwards), inputs.extent)
+    let ends = ends(arithmetic, distances(arithmetic, inputs, bounds), backwards);
+    (ends, limits(arithmetic, ends, inputs.extent))
 }
 
 /// The original hardware's rules: sorting networks in which unordered numbers are exchanged.
-fn by_chisel(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3]) -> Interval {
+fn by_chisel(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3]) -> (Ends, Interval) {
     let backwards = inputs.direction.map(|direction| !direction.is_at_least_zero());
-    let Ends { near: [x, y, z], far } = ends(arithmetic, distances(arithmetic, inputs, bounds), backwards);
+    let ends = ends(arithmetic, distances(arithmetic, inputs, bounds), backwards);
+    let [x, y, z] = ends.near;
     let [tmin, ..] = network([x, y, z, Number::ZERO], |number| *number);
-    let [x, y, z] = far;
+    let [x, y, z] = ends.far;
     let [.., tmax] = network([x, y, z, inputs.extent], |number| *number);
-    Interval { tmin, tmax: Some(tmax) }
+    (ends, Interval { tmin, tmax: Some(tmax) })
 }
 
 /// The original's network for four items, the greatest first. Two items keep their order if the first is greater or
@@ -141,7 +152,7 @@ fn in_network_order(entries: Vec<Entry>) -> Vec<Entry> {
 }
 
 /// Boxes in `bits` bits, rounded outwards.
-fn by_bounds(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3], bits: u32) -> Interval {
+fn by_bounds(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3], bits: u32) -> (Ends, Interval) {
     let narrow = |number, way, margin| arithmetic.narrow(number, bits, way, margin);
     let distance = |bound, axis: usize, way| {
         let relative = narrow(arithmetic.sub(bound, inputs.origin[axis]), way, 0);
@@ -154,7 +165,8 @@ fn by_bounds(arithmetic: &Arithmetic, inputs: &Inputs, bounds: &[Slab<Number>; 3
         near[axis] = distance(first, axis, Way::TowardZero);
         far[axis] = distance(last, axis, Way::AwayFromZero);
     }
-    limits(arithmetic, Ends { near, far }, narrow(inputs.extent, Way::AwayFromZero, 0))
+    let ends = Ends { near, far };
+    (ends, limits(arithmetic, ends, narrow(inputs.extent, Way::AwayFromZero, 0)))
 }
 
 /// Four boxes with bounds of 8 bits.

@@ -299,10 +299,9 @@ impl Arithmetic {
         number
     }
 
-    /// 1 + `ulps` units in the last place of 1.
-    pub fn one_plus_ulps(&self, ulps: u64) -> Number {
-        let place = 1 - self.significand;
-        Signed(false, Magnitude::of((1 << -place) + u128::from(ulps), place))
+    /// This many units in the last place of 1.
+    pub fn ulps(&self, ulps: u64) -> Number {
+        Signed(false, Magnitude::of(ulps.into(), 1 - self.significand))
     }
 
     /// The sum of the terms, truncated to a window and rounded once.

@@ -882,8 +882,8 @@ class Unit:
             triangles: float32 array of shape (n, 3, 3): three vertices for each triangle, counter-clockwise as seen
                 from its front, with finite coordinates of magnitude at most 2**40. Or a list of ``raypath.Geometry``,
                 for a unit with ``queries``.
-            reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further
-                away may lose hits at the edges of boxes. 16 times the longest side of the scene by default.
+            reach: with instances, the greatest distance, along any axis, between the origin of a ray and a vertex. Rays
+                from further away may lose hits at the edges of instances. 16 times the longest side by default.
             instances: the places of the triangles in the scene, for a unit with ``instances``: a float64 array of shape
                 (m, 3, 4), an affine matrix from the triangles to the scene for each place. The last number of each row
                 is the translation, and numbers have a magnitude of at most 2**40. Or a list of ``raypath.Instance``.
@@ -1121,11 +1121,9 @@ class Scene:
     Args:
         vertices: float32 array of shape (n, 3): finite coordinates of magnitude at most 2**40.
         faces: uint32 array of shape (n, 3): the vertices of each triangle, counter-clockwise as seen from its front.
-        reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further away
-            may lose hits at the edges of boxes. 16 times the longest side of the mesh by default.
 
     Raises:
-        ValueError: another type or shape; a face of a vertex that does not exist; a coordinate or reach out of range.
+        ValueError: another type or shape; a face of a vertex that does not exist; a coordinate out of range.
         KeyboardInterrupt: after Ctrl-C. The building of a tree then ends in a thread of its own.
 
     Example:
@@ -1135,12 +1133,9 @@ class Scene:
         >>> hits = raypath.trace(scene, rays)
         >>> hits.triangle, hits.t
         (array([ 0, -1], dtype=int32), array([ 4., inf], dtype=float32))"""
-    def __new__(cls, vertices: _Numbers, faces: NDArray[np.integer[Any]], *, reach: float | None = None) -> Scene: ...
-    @property
-    def reach(self) -> float:
-        """The distance, along any axis, between a ray origin and a vertex up to which no hit is lost."""
+    def __new__(cls, vertices: _Numbers, faces: NDArray[np.integer[Any]]) -> Scene: ...
     def __len__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[_Float32, NDArray[np.uint32]], dict[str, Any]]: ...
+    def __getnewargs__(self) -> tuple[_Float32, NDArray[np.uint32]]: ...
 
 @final
 class Rendering:
@@ -1279,7 +1274,6 @@ def render(
         KeyboardInterrupt: after Ctrl-C.
 
     Warns:
-        UserWarning: the camera is beyond the ``reach`` of the scene.
 
     Example:
         >>> import numpy as np, raypath
@@ -1318,7 +1312,6 @@ def trace(
         KeyboardInterrupt: after Ctrl-C.
 
     Warns:
-        UserWarning: a ray begins beyond the ``reach`` of the scene.
 
     Example:
         See ``raypath.Scene``."""

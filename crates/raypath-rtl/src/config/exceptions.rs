@@ -52,8 +52,6 @@ const SHORT: Choice = choice("format", "with fewer bits and the rules bounds", |
 pub const EXCEPTIONS: &[Exception] = &[
     exception(BOX_BITS, NOT_BOUNDS, "rules bounds", "only the rules bounds shorten the significands of boxes"),
     exception(LONG_BOXES, SHORT, "fewer box-bits or a longer format", "a bound has no more bits than the format"),
-    exception(CONSERVATIVE, CHISEL, "rules paper", "the original hardware misses boxes that a ray touches"),
-    exception(CONSERVATIVE, BOUNDS, "rules paper", "under these rules no box is missed anyway"),
     exception(
         QUANTISED,
         CONSERVATIVE,

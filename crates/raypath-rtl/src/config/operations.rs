@@ -4,8 +4,8 @@ use super::declarations::{Features, Semantics};
 use super::enumerations::{Accumulators, Lanes};
 use raypath_ops::operations::quantised_box::QuantisedBox;
 use raypath_ops::{
-    Angular, AngularMany, Euclidean, EuclideanMany, JobKind, Operation, RayBox, RayBoxConservative, RayTriangle,
-    RayTriangleExtended, Rounding,
+    Angular, AngularMany, Euclidean, EuclideanMany, JobKind, Operation, RayBox, RayTriangle, RayTriangleExtended,
+    Rounding,
 };
 
 /// Receives the operations of a configuration, one after another.
@@ -30,10 +30,9 @@ impl Semantics {
         let (rules, rounding, features) = (self.rules_in_full(), self.rounding, self.features);
         if features.quantised_boxes {
             visitor.visit(QuantisedBox, JobKind::Quadbox.opcode())?;
-        } else if features.conservative {
-            visitor.visit(RayBoxConservative, JobKind::Quadbox.opcode())?;
         } else {
-            visitor.visit(RayBox { rules }, JobKind::Quadbox.opcode())?;
+            let boxes = RayBox { rules, is_conservative: features.conservative };
+            visitor.visit(boxes, JobKind::Quadbox.opcode())?;
         }
         match self.extended_triangle() {
             Some(extended) => visitor.visit(extended, JobKind::Triangle.opcode())?,

@@ -234,9 +234,9 @@ impl<'m, 'p> Values<'m, 'p> {
                 let format = self.at.library.format;
                 m.constant(format.recoded_width(), format.encode(format.from_f32(f32::from_bits(bits))))
             }
-            Op::OnePlusUlps(ulps) => {
+            Op::Ulps(ulps) => {
                 let format = self.at.library.format;
-                m.constant(format.recoded_width(), format.encode(format.from_f32(1.0) + u64::from(ulps)))
+                m.constant(format.recoded_width(), format.encode(format.ulps(ulps)))
             }
             Op::Bit(value) => m.constant(1, value.into()),
             Op::Word(value) => {

@@ -30,8 +30,8 @@ pub enum Op {
     State(usize),
     /// A constant, as the bits of a binary32 number.
     Number(u32),
-    /// The constant that is this number of ulps above 1 in the format of the datapath.
-    OnePlusUlps(u32),
+    /// The constant that is this number of ulps of 1 in the format of the datapath.
+    Ulps(u32),
     /// A constant truth value.
     Bit(bool),
     /// A constant word.
@@ -341,7 +341,7 @@ impl<P: Position> OperationGraph<P> {
     /// The values that a value is computed from.
     pub fn operands(&self, id: NodeId) -> Vec<NodeId> {
         match self.node(id).op {
-            Op::Input(_) | Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_) => vec![],
+            Op::Input(_) | Op::State(_) | Op::Number(_) | Op::Ulps(_) | Op::Bit(_) | Op::Word(_) => vec![],
             Op::Sum(ref terms) => terms.clone(),
             Op::Continue(a)
             | Op::Negate(a)
@@ -384,7 +384,7 @@ impl<P: Position> OperationGraph<P> {
 
     /// Whether a value is available at every position.
     pub fn is_everywhere(&self, id: NodeId) -> bool {
-        matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_))
+        matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::Ulps(_) | Op::Bit(_) | Op::Word(_))
     }
 
     /// Whether a value may be computed at any position that has its operand. These are the tests, except those of

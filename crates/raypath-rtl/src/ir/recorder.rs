@@ -137,7 +137,7 @@ impl RecordingCircuit<'_> {
     fn name(self, id: NodeId, name: &str) {
         let mut nodes = self.recording.nodes.borrow_mut();
         let node = &mut nodes[id.index()];
-        if !matches!(node.op, Op::Input(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_)) {
+        if !matches!(node.op, Op::Input(_) | Op::Number(_) | Op::Ulps(_) | Op::Bit(_) | Op::Word(_)) {
             node.name = Some(name.to_string());
         }
     }
@@ -179,8 +179,8 @@ impl Circuit for RecordingCircuit<'_> {
     fn constant(self, value: f32) -> NodeId {
         self.once(Kind::Number, Op::Number(value.to_bits()))
     }
-    fn one_plus_ulps(self, ulps: u32) -> NodeId {
-        self.once(Kind::Number, Op::OnePlusUlps(ulps))
+    fn ulps(self, ulps: u32) -> NodeId {
+        self.once(Kind::Number, Op::Ulps(ulps))
     }
     fn add(self, a: NodeId, b: NodeId) -> NodeId {
         self.push(Kind::Number, Op::Add(a, b))

@@ -48,7 +48,7 @@ const fn tag_bits(nodes: NodeKind) -> u32 {
 
 impl UnitNetlist {
     /// Builds the unit around a datapath of this configuration. Distance operations are left out, and the features that
-    /// the unit needs are added: a tag, facing, and hits of both faces. The feature `barycentrics` is that of the unit.
+    /// the unit needs are added: a tag, facing, hits of both faces, and conservative boxes. The feature `barycentrics` is that of the unit.
     ///
     /// # Errors
     /// A parameter out of its range; rules, a format, an encoding or features that the unit does not have.
@@ -59,7 +59,8 @@ impl UnitNetlist {
         check(config)?;
         let tag = bits(parameters.contexts) + tag_bits(parameters.step.node);
         let UnitFeatures { barycentrics, .. } = parameters.step.features;
-        let features = Features { tag, facing: true, barycentrics, culling: Culling::None, ..Features::OFF };
+        let features =
+            Features { tag, facing: true, barycentrics, culling: Culling::None, conservative: true, ..Features::OFF };
         let config = config.lanes(Lanes::None).features(features);
         let datapath = datapath(config, parameters)?;
         let top = top(datapath.top(), parameters)?;

@@ -197,8 +197,8 @@ impl Circuit for Terms<'_, '_, '_> {
     fn constant(self, value: f32) -> Number {
         self.recoded(value.into())
     }
-    fn one_plus_ulps(self, ulps: u32) -> Number {
-        self.recoded(1.0 + f64::from(ulps) * 2.0_f64.powi(-(self.made.units.format.fraction_width() as i32)))
+    fn ulps(self, ulps: u32) -> Number {
+        self.recoded(f64::from(ulps) * 2.0_f64.powi(-(self.made.units.format.fraction_width() as i32)))
     }
     fn add(self, a: Number, b: Number) -> Number {
         self.number(self.binary("add", a, b, "sum"))

@@ -42,7 +42,7 @@ impl Dataflow {
 
     /// Whether a value is a constant.
     pub fn is_constant(&self, id: NodeId) -> bool {
-        matches!(self.graph.node(id).op, Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_))
+        matches!(self.graph.node(id).op, Op::Number(_) | Op::Ulps(_) | Op::Bit(_) | Op::Word(_))
     }
 
     /// Whether a value is a number that the operation computes.
@@ -123,7 +123,7 @@ fn computed(op: &Op, all: &[u32]) -> u32 {
     let bits = |number: Single| number.0.to_bits();
     match *op {
         Op::Number(value) | Op::Word(value) => value,
-        Op::OnePlusUlps(ulps) => bits(c.one_plus_ulps(ulps)),
+        Op::Ulps(ulps) => bits(c.ulps(ulps)),
         Op::Bit(value) => value.into(),
         Op::Add(..) => bits(c.add(number(0), number(1))),
         Op::Subtract(..) => bits(c.subtract(number(0), number(1))),

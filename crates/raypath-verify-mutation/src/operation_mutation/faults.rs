@@ -174,7 +174,7 @@ impl List<'_> {
         let others: Vec<Op> = match *op {
             Op::Number(0) => [-0.0, 1.0, f32::INFINITY].map(number).to_vec(),
             Op::Number(bits) => vec![Op::Number(bits ^ 1 << 31), number(0.0), number(f32::MAX)],
-            Op::OnePlusUlps(ulps) => [ulps - 1, ulps + 1, 0].map(Op::OnePlusUlps).to_vec(),
+            Op::Ulps(ulps) => [ulps / 2, 2 * ulps, 0].map(Op::Ulps).to_vec(),
             Op::Bit(value) => vec![Op::Bit(!value)],
             Op::Word(value) => match self.flow.graph.node(id).kind {
                 Kind::Word(width) if width > 1 => [value ^ 1, value ^ 1 << (width - 1)].map(Op::Word).to_vec(),
@@ -242,7 +242,7 @@ impl List<'_> {
 /// The operands of an operator, to change them.
 fn operands_of(op: &mut Op) -> Vec<&mut NodeId> {
     match op {
-        Op::Input(_) | Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_) => vec![],
+        Op::Input(_) | Op::State(_) | Op::Number(_) | Op::Ulps(_) | Op::Bit(_) | Op::Word(_) => vec![],
         Op::Sum(terms) => terms.iter_mut().collect(),
         Op::Continue(a) | Op::Negate(a) | Op::Narrow(a, _) | Op::NumberOf(a) => vec![a],
         Op::Test(_, a) | Op::Relation(a, _) | Op::Flags(a) | Op::Not(a) => vec![a],

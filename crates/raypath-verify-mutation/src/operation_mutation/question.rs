@@ -228,7 +228,7 @@ impl Script<'_> {
                 format!("n{}", graph.ids().find(|other| graph.node(*other).op == node.op).unwrap_or(id).0)
             }
             Op::Number(bits) => number(*bits),
-            Op::OnePlusUlps(ulps) => number(1.0_f32.to_bits() + ulps),
+            Op::Ulps(ulps) => number((*ulps as f32 * f32::EPSILON).to_bits()),
             Op::Add(..) => self.sum(a, &all[1]),
             Op::Subtract(..) => self.sum(a, &format!("(fp.neg {})", all[1])),
             Op::Multiply(..) => {

@@ -71,7 +71,7 @@ fn impossible_features_are_refused() {
     let out = text(&folder.path().join("none"));
     for (arguments, words) in [
         (vec!["generate", "--tag", "33", "--out", &out], "expected a whole number from 0 to 32"),
-        (vec!["generate", "--conservative", "--rules", "chisel", "--out", &out], "expected rules paper"),
+        (vec!["generate", "--quantised-boxes", "--rules", "chisel", "--out", &out], "expected rules paper"),
         (vec!["generate", "--exception-flags", "--format", "fp16", "--out", &out], "expected format fp32"),
         (vec!["replay", "--exception-flags", "--format", "fp16", "triangle.txt"], "expected format fp32"),
         // The file name is not taken as the value of the option before it.

@@ -37,7 +37,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         instances => format!(", {instances} instances"),
     };
     writeln!(out, "{triangles} triangles, {nodes} nodes{of_instances}: {count} blocks, {bytes} bytes")?;
-    let (root, reach) = (blocks.root(), scene.reach());
-    writeln!(out, "root {root:#010x}, for ray origins within {reach} of every vertex along each axis")?;
+    let origins = match scene.reach() {
+        reach if reach.is_finite() => format!(", for ray origins within {reach} of every vertex along each axis"),
+        _ => String::new(),
+    };
+    writeln!(out, "root {:#010x}{origins}", blocks.root())?;
     write_and_name(&[(path.clone(), blocks.bytes())], out)
 }

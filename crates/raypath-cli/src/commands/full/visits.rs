@@ -25,7 +25,7 @@ pub fn scenes(paths: &[PathBuf], limit: MemoryLimit) -> Result<Vec<Shown>, CliEr
     }
     let shown = |(name, mesh)| {
         let camera = Camera::framing(&mesh, SIZE.0 as f32 / SIZE.1 as f32);
-        let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
+        let scene = Scene::new(mesh).map_err(CliError::unusable)?;
         Ok(Shown { name, scene, camera })
     };
     meshes.into_iter().map(shown).collect()

@@ -27,7 +27,8 @@ impl Traversal<'_> {
                 Request::Fetch => {}
                 Request::Boxes(boxes) => {
                     let input = RayBoxInput { ray: self.ray, aabb: *boxes };
-                    let (output, ()) = RayBox { rules }.run_with(Binary32, SimdKernels, input, ());
+                    let (output, ()) =
+                        RayBox { rules, is_conservative: true }.run_with(Binary32, SimdKernels, input, ());
                     self.finish_boxes(&output);
                 }
                 Request::Triangle(triangle) => {

@@ -21,7 +21,7 @@ const LATENCY: u64 = 100;
 pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> Result<(), CliError> {
     let mesh = builtin().map_err(CliError::unusable)?;
     let camera = Camera::framing(&mesh, SIZE.0 as f32 / SIZE.1 as f32);
-    let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
+    let scene = Scene::new(mesh).map_err(CliError::unusable)?;
     let scene = scene.through_unit().map_err(CliError::unusable)?;
     let Some(blocks) = scene.blocks() else { return Ok(()) };
     let rays = camera.rays(SIZE.0, SIZE.1).map_err(CliError::unusable)?;

@@ -78,15 +78,14 @@ impl ExactCache {
     }
 
     /// The visits that each configuration adds, in percent, in the scene where it adds most. None where they cannot be
-    /// computed: in other formats than binary32, and with conservative boxes.
+    /// computed: in other formats than binary32.
     pub fn visits(
         &self,
         configs: &[Config],
         paths: &[PathBuf],
         limit: MemoryLimit,
     ) -> Result<Vec<Option<f64>>, CliError> {
-        let is_known =
-            |config: &Config| config.semantics.format == Format::BINARY32 && !config.semantics.features.conservative;
+        let is_known = |config: &Config| config.semantics.format == Format::BINARY32;
         let mut contents = vec![self.program.clone()];
         for path in paths {
             let refused = |problem| CliError::unusable(format!("{}: {problem}", path.display()));

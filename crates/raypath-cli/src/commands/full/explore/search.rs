@@ -158,7 +158,7 @@ impl SearchArguments {
             self.goal.iter().map(|goal| goal.metric).chain(self.objective.iter().copied()).collect();
         let unknown = space.members.iter().zip(visits).find(|(_, visits)| visits.is_none());
         if let Some(((name, config), _)) = unknown.filter(|_| wanted.contains(&Metric::Visits)) {
-            let expected = "format fp32 without conservative boxes, whose visits can be counted";
+            let expected = "format fp32, whose visits can be counted";
             return Err(CliError::unusable(format!("visits: {name} is {config}; expected {expected}")));
         }
         if !self.objective.is_empty() {

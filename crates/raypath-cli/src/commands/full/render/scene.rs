@@ -76,7 +76,7 @@ impl Shown {
     pub fn scene(self, origins: impl IntoIterator<Item = [f32; 3]>) -> Result<Scene, CliError> {
         match self.instances {
             Some(instances) => Scene::of_instances(self.mesh, &instances, origins).map_err(unusable(&self.name)),
-            None => Scene::for_origins(self.mesh, origins).map_err(unusable(&self.name)),
+            None => Scene::new(self.mesh).map_err(unusable(&self.name)),
         }
     }
 
