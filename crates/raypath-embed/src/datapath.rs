@@ -5,7 +5,7 @@ use crate::state::owner;
 use crate::{Error, native};
 use raypath_float::Format;
 use raypath_model::{Shape, ShortFormat, WordModel};
-use raypath_ops::{JobKind, Port, Rounding, Rules};
+use raypath_ops::{EdgeRule, JobKind, Port, Rounding, Rules};
 use raypath_oracle::added_operation;
 use raypath_rtl::{self as rtl, Config, Features, Lanes, Semantics, package};
 use raypath_sim::files::{in_folder, write_all};
@@ -309,7 +309,9 @@ impl Datapath {
         let semantics = self.config().semantics;
         let rounds_every_number =
             semantics.rounding == Rounding::Unit && !matches!(semantics.rules_in_full(), Rules::Bounds(_));
-        let is_short = || rounds_every_number && ShortFormat::lanes(semantics.format).is_some();
+        // Lanes know the residues of binary32 alone.
+        let has_residues = semantics.features.edges == EdgeRule::Once;
+        let is_short = || rounds_every_number && !has_residues && ShortFormat::lanes(semantics.format).is_some();
         let is_native = semantics.format == Format::BINARY32 || is_short();
         (is_native && !semantics.features.quantised_boxes).then_some(semantics)
     }

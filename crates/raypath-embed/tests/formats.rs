@@ -61,7 +61,11 @@ fn through_pipeline(datapath: &Datapath, rays: &[Ray], boxes: &[[Bounds; 4]], tr
 #[test]
 fn arrays_are_as_single_jobs() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let mut vector = || [(); 3].map(|()| random.random_range(-1.0_f32..1.0));
+    // Half of them small integers in a unit, so that rays pass exactly through edges and vertices.
+    let mut vector = || {
+        let unit = if random.random() { 0.25_f32 } else { f32::EPSILON };
+        [(); 3].map(|()| (random.random_range(-1.0_f32..1.0) / unit).round() * unit)
+    };
     let rays: Vec<Ray> = (0..300).filter_map(|_| Ray::new(vector(), vector(), 3.0).ok()).collect();
     let boxes: Vec<[Bounds; 4]> =
         rays.iter().map(|_| [(); 4].map(|()| Bounds { min: vector(), max: [1.0; 3] })).collect();
@@ -69,6 +73,9 @@ fn arrays_are_as_single_jobs() {
     let features = [
         "tag = 3",
         "barycentrics = true",
+        "edges = \"once\"",
+        "edges = \"once\"\nculling = \"none\"",
+        "format = \"fp16\"\nedges = \"once\"",
         "culling = \"none\"",
         "culling = \"front\"\nfacing = true",
         "range = true",

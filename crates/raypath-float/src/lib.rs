@@ -29,5 +29,6 @@ pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
 pub use units::{
     DivSqrt, Narrow, add, add_parts, compare, compare_narrow, decode, decode_narrow, div, encode, flags, mul,
-    mul_by_short_parts, mul_inferred_parts, mul_narrow_parts, mul_parts, narrow, number, sqrt, sum_parts,
+    mul_by_short_parts, mul_inferred_parts, mul_narrow_parts, mul_parts, mul_with_residue, narrow, number, sqrt,
+    sum_parts,
 };

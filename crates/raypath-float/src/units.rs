@@ -29,7 +29,7 @@ pub use compare::{compare, compare_narrow};
 pub use decode::{decode, decode_narrow};
 pub use div_sqrt::{div, sqrt};
 pub use encode::encode;
-pub use mul::{mul, mul_by_short_parts, mul_inferred_parts, mul_parts};
+pub use mul::{mul, mul_by_short_parts, mul_inferred_parts, mul_parts, mul_with_residue};
 pub use mul_narrow::mul_narrow_parts;
 pub use narrow::{Narrow, narrow};
 pub use number::number;

@@ -87,6 +87,10 @@ impl Circuit for Dynamic<'_> {
     }
 
     #[inline(never)]
+    fn residue(self, product: SoftNumber, a: SoftNumber, b: SoftNumber) -> u32 {
+        either!(self, Binary32.residue(single(product), single(a), single(b)), soft => soft.residue(product, a, b))
+    }
+    #[inline(never)]
     fn negate(self, a: SoftNumber) -> SoftNumber {
         either!(self, number(Binary32.negate(single(a))), soft => soft.negate(a))
     }

@@ -6,7 +6,7 @@ use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use raypath_ops::{
     Binary32, Bit, Circuit, Concrete, Family, Gather, Kernels, LaneMap, Num, Of, Portable, Scatter, Single, SortEntry,
-    Word, array_of,
+    Tie, Vec3, Word, array_of,
 };
 use std::fmt::Arguments;
 
@@ -29,6 +29,20 @@ impl ModelCircuit for Binary32 {
 }
 
 impl Kernels<Binary32> for SimdKernels {
+    #[inline(always)]
+    fn tie(
+        self,
+        c: Binary32,
+        ends: (Vec3<Binary32>, Vec3<Binary32>),
+        products: (Num<Binary32>, Num<Binary32>),
+        difference: Num<Binary32>,
+    ) -> Tie<Binary32> {
+        if difference.value.0 != 0.0 {
+            return Tie { front: c.bit(false), back: c.bit(false) };
+        }
+        Portable.tie(c, ends, products, difference)
+    }
+
     #[inline(always)]
     fn sort(self, c: Binary32, entries: [SortEntry<Binary32, 2>; 4]) -> [SortEntry<Binary32, 2>; 4] {
         // Numbers that are not negative have the order of their bits, so one integer holds the whole sort key.
@@ -205,6 +219,19 @@ where
         let lanes = condition.circuit;
         let (a, b) = lanes.exchange(condition.value.0, a.value.0, b.value.0);
         (Num::new(lanes, Register(a)), Num::new(lanes, Register(b)))
+    }
+    #[inline(always)]
+    fn tie(
+        self,
+        lanes: Lanes<S, W, R>,
+        ends: (Vec3<Lanes<S, W, R>>, Vec3<Lanes<S, W, R>>),
+        products: (Num<Lanes<S, W, R>>, Num<Lanes<S, W, R>>),
+        difference: Num<Lanes<S, W, R>>,
+    ) -> Tie<Lanes<S, W, R>> {
+        if !difference.value.0.simd_eq(lanes.constant(0.0).0).any_true() {
+            return Tie { front: lanes.bit(false), back: lanes.bit(false) };
+        }
+        Portable.tie(lanes, ends, products, difference)
     }
     #[inline(always)]
     fn largest_or_zero(

@@ -4,7 +4,7 @@ use crate::packed::sum_of;
 use crate::rounding::{Exact, LaneRounding};
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd, f32x4, i32x4, mask32x4, u8x16, u32x4};
-use raypath_ops::{Circuit, Direction, Narrowing, Relation, Test};
+use raypath_ops::{Binary32, Circuit, Direction, Narrowing, Relation, Single, Test};
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -166,6 +166,16 @@ where
     #[inline(always)]
     fn multiply(self, a: Self::Num, b: Self::Num) -> Self::Num {
         Register(self.rounding.multiply(self.simd, a.0, b.0))
+    }
+    /// Lane by lane. Right in binary32 alone.
+    #[inline(always)]
+    fn residue(self, product: Self::Num, a: Self::Num, b: Self::Num) -> Self::Word {
+        let mut words = self.constant_word(32, 0).0;
+        for (lane, word) in words.as_mut_slice().iter_mut().enumerate() {
+            let [product, a, b] = [product, a, b].map(|register| Single(register.0.as_slice()[lane]));
+            *word = Binary32.residue(product, a, b);
+        }
+        Register(words)
     }
     #[inline(always)]
     fn negate(self, a: Self::Num) -> Self::Num {

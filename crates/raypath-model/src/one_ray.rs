@@ -153,7 +153,7 @@ impl OneRay {
         let zero = in_lanes(self.lanes, 0.0);
         let (ray, triangle) = (self.turned_ray(), self.turn(number));
         let input = RayTriangleExtendedInput { ray, triangle, t_min: zero };
-        let (outcome, ()) = op.run(self.lanes, input, ());
+        let (outcome, ()) = op.run_with(self.lanes, SimdKernels, input, ());
         let edges = if op.barycentrics { [outcome.barycentric.v, outcome.barycentric.w] } else { [zero; 2] };
         outcomes(outcome.triangle_hit, outcome.t_num, outcome.t_denom, edges)
     }

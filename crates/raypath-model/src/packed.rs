@@ -59,6 +59,9 @@ impl Circuit for Packed {
     fn sum(self, terms: &[Self::Num]) -> Self::Num {
         BlockValue(array_of!(i => sum_of(terms.iter().map(|term| term.0[i]))))
     }
+    fn residue(self, _product: Self::Num, a: Self::Num, b: Self::Num) -> Self::Word {
+        a.zip(b, |a, b| Binary32.residue(Single(0.0), Single(a), Single(b)))
+    }
     fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num {
         a.zip(b, |a, b| a - b)
     }

@@ -46,6 +46,11 @@ impl Circuit for Soft {
         SoftNumber(self.format.mul(a.0, b.0))
     }
     #[inline]
+    fn residue(self, _product: SoftNumber, a: SoftNumber, b: SoftNumber) -> u32 {
+        let layout = Layout { exponent: self.format.exponent(), significand: self.format.significand() };
+        layout.residue(a.0, b.0)
+    }
+    #[inline]
     fn negate(self, a: SoftNumber) -> SoftNumber {
         SoftNumber(self.format.neg(a.0))
     }

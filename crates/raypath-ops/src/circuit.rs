@@ -49,6 +49,11 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num;
     /// Product.
     fn multiply(self, a: Self::Num, b: Self::Num) -> Self::Num;
+    /// What rounding took from `product`, the product of `a` and `b`: a word of [`RESIDUE_BITS`](crate::RESIDUE_BITS).
+    /// Of two products that are equal after rounding, the one of the greater exact magnitude has the greater residue;
+    /// but nothing is known of a product that is not 0 and below the normal range, whose residue has the bit
+    /// [`RESIDUE_TINY`](crate::RESIDUE_TINY).
+    fn residue(self, product: Self::Num, a: Self::Num, b: Self::Num) -> Self::Word;
     /// The number with its sign inverted.
     fn negate(self, a: Self::Num) -> Self::Num;
     /// The number rounded in one direction to a shorter significand.

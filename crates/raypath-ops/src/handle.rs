@@ -1,6 +1,7 @@
 //! Handles on the numbers, bits and words of a circuit. A handle contains its circuit, which allows expressions such as
 //! `(bound - origin) * inv`.
 
+use crate::RESIDUE_BITS;
 use crate::circuit::{Circuit, Narrowing, Relation, Test};
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
@@ -98,6 +99,12 @@ impl<C: Circuit> Num<C> {
                 Self::new(terms[0].circuit, terms[0].circuit.sum(&values))
             }
         }
+    }
+
+    /// The residue of this product of `a` and `b` ([`Circuit::residue`]).
+    #[inline(always)]
+    pub fn residue(self, a: Self, b: Self) -> Word<C, RESIDUE_BITS> {
+        Word::new(self.circuit, self.circuit.residue(self.value, a.value, b.value))
     }
 
     /// The smaller of two numbers. If one is NaN, the result is the other; if they are equal, `other`.

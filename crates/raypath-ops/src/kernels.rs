@@ -1,7 +1,7 @@
 //! Parts of the paper's operations that some circuits compute faster than by their operators one by one.
 
 use crate::sort::sort_four;
-use crate::{Bit, Circuit, Family, Num, Of, SortEntry};
+use crate::{Bit, Circuit, Family, Num, Of, SortEntry, Tie, Vec3};
 use std::fmt::Arguments;
 
 /// Implementations of the operations' inner parts over circuit `C`.
@@ -49,6 +49,13 @@ pub trait Kernels<C: Circuit>: Copy {
             #[inline(always)]
             |a, b| b.precedes(a),
         )
+    }
+
+    /// Which faces have an edge, from the first sheared vertex to the second, on which the ray passes as computed: the
+    /// products are equal after rounding, and their `difference` is 0. For another difference it has no meaning.
+    #[inline(always)]
+    fn tie(self, c: C, ends: (Vec3<C>, Vec3<C>), products: (Num<C>, Num<C>), _difference: Num<C>) -> Tie<C> {
+        Tie::between(c, ends, products)
     }
 
     /// Applies `map` to each item. Items may be computed one after another or side by side.

@@ -66,6 +66,12 @@ macro_rules! native_numbers {
         fn ulps(self, ulps: u32) -> $number {
             $number(ulps as $float * <$float>::EPSILON)
         }
+        #[inline]
+        fn residue(self, _product: $number, a: $number, b: $number) -> u32 {
+            let (significand, bits) = (<$float>::MANTISSA_DIGITS, 8 * size_of::<$float>() as u32);
+            $crate::Layout { exponent: bits - significand, significand }
+                .residue(a.0.to_bits().into(), b.0.to_bits().into())
+        }
         #[inline(always)]
         fn negate(self, a: $number) -> $number {
             $number(-a.0)

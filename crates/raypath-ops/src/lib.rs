@@ -30,6 +30,7 @@ mod bundle_macro;
 mod circuit;
 mod distance;
 mod distance_many;
+mod edge_rule;
 mod family;
 mod flagged;
 mod geometry;
@@ -45,6 +46,7 @@ mod ray_box;
 mod ray_box_bounds;
 mod ray_triangle;
 mod ray_triangle_extended;
+mod residue;
 mod rules;
 mod sort;
 mod sum;
@@ -58,6 +60,7 @@ pub use distance::{
     Angular, AngularOutput, AngularState, Beat, BeatInput, Euclidean, EuclideanOutput, EuclideanState, VectorError,
 };
 pub use distance_many::{AngularMany, AngularManyState, BeatManyInput, EuclideanMany, EuclideanManyState};
+pub use edge_rule::{EdgeRule, ParseEdgeRuleError, Tie};
 pub use family::{Family, Gather, Of, Put, Scatter};
 pub use flagged::Flagged;
 pub use geometry::{Aabb, Slab, Triangle, Vec3};
@@ -72,6 +75,7 @@ pub use ray_triangle::{Edges, RayTriangle, RayTriangleInput, RayTriangleOutput};
 pub use ray_triangle_extended::{
     Culling, ParseCullingError, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
 };
+pub use residue::{RESIDUE_BITS, RESIDUE_TINY};
 pub use rules::{BoxBits, ParseBoxBitsError, ParseRulesError, Rules};
 pub use sort::SortEntry;
 pub use sum::{Layout, ParseRoundingError, Rounding};

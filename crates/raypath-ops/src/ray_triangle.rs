@@ -67,10 +67,12 @@ impl Operation for RayTriangle {
         _state: (),
     ) -> (RayTriangleOutput<C>, ()) {
         let RayTriangleInput { ray, triangle } = input;
-        let Distance { edges, t_num, t_denom } = distance(circuit, kernels, &ray, triangle, &Sums::of(self.rounding));
+        let Distance { edges, t_num, t_denom, .. } =
+            distance(circuit, kernels, &ray, triangle, &Sums::of(self.rounding));
 
         circuit.stage_or(10, HIT_TEST, "hit test");
-        let triangle_hit = self.rules.triangle_hit(circuit, edges.to_array(), t_num, t_denom);
+        let inside = self.rules.inside(circuit, edges.to_array());
+        let triangle_hit = self.rules.triangle_hit(circuit, inside, t_num, t_denom);
         circuit.label(format_args!("triangle_hit"), &triangle_hit);
 
         (RayTriangleOutput { t_num, t_denom, triangle_hit }, ())
@@ -78,7 +80,12 @@ impl Operation for RayTriangle {
 }
 
 /// Where a ray meets a triangle's plane, and on which sides of its edges.
+#[derive(Clone, Copy)]
 pub(crate) struct Distance<C: Circuit> {
+    /// The sheared vertices a, b, c.
+    pub sheared: [Vec3<C>; 3],
+    /// The products of which U, V and W are the differences.
+    pub products: [(Num<C>, Num<C>); 3],
     pub edges: Edges<C>,
     pub t_num: Num<C>,
     pub t_denom: Num<C>,
@@ -179,7 +186,7 @@ pub(crate) fn distance<C: Circuit>(
     circuit.label(format_args!("t_denom"), &t_denom);
     circuit.label(format_args!("t_num"), &t_num);
 
-    Distance { edges, t_num, t_denom }
+    Distance { sheared: [a, b, c], products, edges, t_num, t_denom }
 }
 
 /// Transforms vertices into the ray's coordinate system, in which the ray runs along z.

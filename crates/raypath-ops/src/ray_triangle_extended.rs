@@ -1,8 +1,11 @@
 //! The ray-triangle test with optional culling, range and outputs.
 
+use crate::edge_rule::ties;
+use crate::operation::run_portable;
 use crate::ray_triangle::{Distance, HIT_TEST, Sums, distance};
 use crate::{
-    Bit, Circuit, Edges, Num, Operation, Order, Portable, Ray, RayTriangle, Rounding, Rules, Triangle, bundle,
+    Bit, Circuit, EdgeRule, Edges, Kernels, Num, Operation, Order, Ray, RayTriangle, Rounding, Rules, Tie, Triangle,
+    bundle,
 };
 
 /// [`RayTriangle`] with options. With all of them off, its results are those of [`RayTriangle`]. It has the same name,
@@ -13,6 +16,8 @@ pub struct RayTriangleExtended {
     pub rules: Rules,
     /// How t_num and t_denom are rounded.
     pub rounding: Rounding,
+    /// To which triangles the points of an edge belong.
+    pub edges: EdgeRule,
     /// The faces that are not hit.
     pub culling: Culling,
     /// Adds the output `facing`: which face the ray meets.
@@ -91,17 +96,24 @@ impl Operation for RayTriangleExtended {
         }
     }
 
+    run_portable!();
+
     #[inline(always)]
-    fn run<C: Circuit>(
+    fn run_with<C: Circuit, K: Kernels<C>>(
         &self,
         c: C,
+        kernels: K,
         input: RayTriangleExtendedInput<C>,
         _state: (),
     ) -> (RayTriangleExtendedOutput<C>, ()) {
         let RayTriangleExtendedInput { ray, triangle, t_min } = input;
         let sums = if self.range { early(self.rounding) } else { Sums::of(self.rounding) };
-        let met = distance(c, Portable, &ray, triangle, &sums);
-        let Distance { edges, t_num, t_denom } = met;
+        let met = distance(c, kernels, &ray, triangle, &sums);
+        let Distance { sheared, products, edges, t_num, t_denom } = met;
+        let ties = match self.edges {
+            EdgeRule::Shared => None,
+            EdgeRule::Once => Some(ties(c, kernels, sheared, products, edges)),
+        };
 
         let bounds = self.range.then(|| {
             c.stage(9, "t_min and extent times t_denom");
@@ -118,7 +130,17 @@ impl Operation for RayTriangleExtended {
         };
         let orders = bounds.map(|bounds| bounds.orders(t_num));
         let hit = |seen: &Distance<C>, is_front: bool| {
-            let hit = self.rules.triangle_hit(c, seen.edges.to_array(), seen.t_num, seen.t_denom);
+            let edges = seen.edges.to_array();
+            let inside = match ties {
+                None => self.rules.inside(c, edges),
+                Some(ties) => {
+                    let has = |edge: Num<C>, tie: Tie<C>| {
+                        edge.is_above_zero() | (edge.is_zero() & if is_front { tie.front } else { tie.back })
+                    };
+                    has(edges[0], ties[0]) & has(edges[1], ties[1]) & has(edges[2], ties[2])
+                }
+            };
+            let hit = self.rules.triangle_hit(c, inside, seen.t_num, seen.t_denom);
             orders.map_or(hit, |orders| hit & self.rules.within(orders, is_front))
         };
         let triangle_hit = match (self.culling, mirrored) {
@@ -142,7 +164,7 @@ fn mirrored<C: Circuit>(c: C, met: &Distance<C>) -> Distance<C> {
     let t_num = -met.t_num;
     c.label(format_args!("mirrored_t_num"), &t_num);
     // The hit test checks the denominator only for zero and NaN, whose signs do not matter.
-    Distance { edges, t_num, t_denom: met.t_denom }
+    Distance { edges, t_num, ..*met }
 }
 
 bundle! {

@@ -138,25 +138,21 @@ impl Rules {
         }
     }
 
-    /// Whether the ray hits the triangle's front. `edges` are U, V and W.
+    /// Whether the ray passes inside the triangle's front, whose edges belong to it. `edges` are U, V and W.
     #[inline(always)]
-    pub(crate) fn triangle_hit<C: Circuit>(
-        self,
-        c: C,
-        [u, v, w]: [Num<C>; 3],
-        t_num: Num<C>,
-        t_denom: Num<C>,
-    ) -> Bit<C> {
+    pub(crate) fn inside<C: Circuit>(self, c: C, [u, v, w]: [Num<C>; 3]) -> Bit<C> {
         match self {
-            Rules::Paper | Rules::Bounds(_) => {
-                let inside = u.is_at_least_zero() & v.is_at_least_zero() & w.is_at_least_zero();
-                inside & !t_denom.is_zero() & !t_denom.is_nan() & t_num.is_above_zero()
-            }
-            Rules::Chisel => {
-                let negative = |x: Num<C>| x.compare(c.zero()).less();
-                let outside = negative(u) | negative(v) | negative(w) | negative(t_num);
-                !outside & !t_denom.compare(c.zero()).equal()
-            }
+            Rules::Paper | Rules::Bounds(_) => u.is_at_least_zero() & v.is_at_least_zero() & w.is_at_least_zero(),
+            Rules::Chisel => !(is_less(c, u) | is_less(c, v) | is_less(c, w)),
+        }
+    }
+
+    /// Whether a ray that passes `inside` the triangle's front hits it.
+    #[inline(always)]
+    pub(crate) fn triangle_hit<C: Circuit>(self, c: C, inside: Bit<C>, t_num: Num<C>, t_denom: Num<C>) -> Bit<C> {
+        match self {
+            Rules::Paper | Rules::Bounds(_) => inside & !t_denom.is_zero() & !t_denom.is_nan() & t_num.is_above_zero(),
+            Rules::Chisel => inside & !is_less(c, t_num) & !t_denom.compare(c.zero()).equal(),
         }
     }
 
@@ -171,6 +167,12 @@ impl Rules {
             (Rules::Chisel, false) => !near.less() & !far.less(),
         }
     }
+}
+
+/// Whether a number is below zero, by a comparator.
+#[inline(always)]
+fn is_less<C: Circuit>(c: C, number: Num<C>) -> Bit<C> {
+    number.compare(c.zero()).less()
 }
 
 /// The order of the original hardware, descending: a swap unless `a` is greater or equal, so also if one is NaN.

@@ -4,6 +4,7 @@
 use num_rational::BigRational;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use raypath_ops::EdgeRule;
 use raypath_ops::{
     Aabb, Binary32, Culling, Operation, Ray, RayBox, RayBoxInput, RayBoxOutput, RayTriangleExtended,
     RayTriangleExtendedInput, Rounding, Rules, Triangle,
@@ -188,6 +189,7 @@ fn boxes_around_hit_triangles_are_not_missed() {
     let triangles = RayTriangleExtended {
         rules: Rules::Paper,
         rounding: Rounding::Unit,
+        edges: EdgeRule::Shared,
         culling: Culling::None,
         facing: false,
         barycentrics: false,

@@ -4,6 +4,7 @@
 use num_rational::BigRational;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
+use raypath_ops::EdgeRule;
 use raypath_ops::{
     AngularMany, AngularManyState, Beat, BeatManyInput, Binary32, Culling, EuclideanMany, EuclideanManyState, Flags,
     Operation, Ray, RayTriangle, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
@@ -13,6 +14,7 @@ use raypath_ops::{
 const PLAIN: RayTriangleExtended = RayTriangleExtended {
     rules: Rules::Paper,
     rounding: Rounding::Unit,
+    edges: EdgeRule::Shared,
     culling: Culling::Back,
     facing: false,
     barycentrics: false,

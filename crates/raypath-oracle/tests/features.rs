@@ -2,6 +2,7 @@
 
 use rand::RngExt;
 use raypath_float::Format;
+use raypath_ops::EdgeRule;
 use raypath_ops::{Culling, RayTriangleExtended, RayTriangleExtendedInput, Rounding, Rules};
 use raypath_ops::{Ray, Triangle};
 use raypath_oracle::{AnyOperationSpec, Checks, OperationSpec};
@@ -13,6 +14,7 @@ use std::collections::BTreeSet;
 const ALL: Features = Features {
     tag: 32,
     barycentrics: true,
+    edges: EdgeRule::Shared,
     culling: Culling::None,
     facing: true,
     range: true,
@@ -69,6 +71,7 @@ fn oracles_get_the_present_ports() {
     let extended = RayTriangleExtended {
         rules: Rules::Paper,
         rounding: Rounding::Unit,
+        edges: EdgeRule::Shared,
         culling: Culling::None,
         facing: true,
         barycentrics: false,

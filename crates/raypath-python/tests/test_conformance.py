@@ -9,7 +9,7 @@ acceleration_structures   `test_instance_flags`, `test_inactive`; forms of build
                           the unit reads memory that a builder has written
 procedural_geometry       `test_procedural_geometry`
 advanced                  `test_null_scene`; function wrappers are a matter of compilers
-watertightness            `test_watertightness`: no miss; the unit may meet both triangles of an edge
+watertightness            `test_watertightness`: no miss, and with edges once each triangle of a surface alone
 cull_ray_flags            `test_cull_ray_flags`, and `tests/queries.rs` for all combinations
 misc                      `test_preserve_flip_facing`; indexing and helper invocations are matters of shaders
 direction_length          `test_direction_length`
@@ -34,6 +34,7 @@ from raypath import Geometry, Instance, InstanceFlags, RayFlags, UnitStatus
 BACK = RayFlags.CULL_BACK_FACING_TRIANGLES
 Asked = list[tuple[int, bool, int, int]]
 UNIT = raypath.Unit("compact", queries="full", instances=True, barycentrics=True)
+ONCE = raypath.Unit("compact", queries="full", instances=True, edges="once")
 SQUARE = [[[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 0, 0], [1, 1, 0], [0, 1, 0]]]
 
 
@@ -51,12 +52,15 @@ def ask(
     rays: dict[str, Any],
     accept: Callable[[raypath.Candidates], Any] = ignore,
     t: Callable[[raypath.Candidates], Any] = lambda candidates: f32(np.zeros(len(candidates.ray))),
+    unit: raypath.Unit = UNIT,
 ) -> tuple[Asked, Any]:
-    """The candidates (ray, whether it is a box, geometry, primitive) of rays, and their hits."""
-    scene = UNIT.scene(geometries, instances=instances or [Instance(np.eye(3, 4))])
+    """The candidates (ray, whether it is a box, geometry, primitive) of rays, and their hits. With `None` there is one
+    instance, and with an empty list none."""
+    places = [Instance(np.eye(3, 4))] if instances is None else instances or None
+    scene = unit.scene(geometries, instances=places)
     arrays = np.broadcast_arrays(*(np.atleast_2d(f32(rays[name])) for name in ("origins", "directions")))
     more = {name: value for name, value in rays.items() if name not in ("origins", "directions")}
-    query = UNIT.query(scene, scene.rays(*(f32(array).copy() for array in arrays), **more))
+    query = unit.query(scene, scene.rays(*(f32(array).copy() for array in arrays), **more))
     asked: Asked = []
     for candidates in query:
         fields = (candidates.ray, candidates.is_box, candidates.geometry, candidates.primitive)
@@ -277,6 +281,17 @@ def test_inactive(which: list[int]) -> None:
     assert [primitive for *_, primitive in asked] == [1, 1]
 
 
+def test_degenerate() -> None:
+    """A triangle whose vertices are on one line is never hit, although rounding moves them apart."""
+    line, origin, direction = f32([[[1, 0, 1], [1, 1, 2], [1, 2, 3]]]), f32([[3, -2, 1]]), f32([[-2, 3, 1]])
+    for triangles, found in ((line, 0), (np.concatenate([line, f32(SQUARE)]), 1)):
+        rays = {"origins": np.concatenate([origin, f32([[0.7, 0.2, 9]])]), "directions": [*direction, [0, 0, -1]]}
+        _, hits = ask([Geometry(triangles)], None, rays)
+        assert hits.status.tolist() == [UnitStatus.MISS, found]
+    mesh = raypath.Scene(line[0], np.array([[0, 1, 2]]))
+    assert raypath.trace(mesh, raypath.rays(origin, direction), two_sided=True).triangle.tolist() == [-1]
+
+
 def test_null_scene() -> None:
     """A scene without anything is missed by all rays."""
     scene = raypath.UnitScene(b"", 0)
@@ -327,11 +342,13 @@ def test_non_uniform_args(cause: str) -> None:
 
 
 def test_watertightness() -> None:
-    """No ray passes between the triangles of closed fans, aimed at their edges and centres."""
+    """No ray passes between the triangles of closed fans, aimed at their edges and centres, or through the lines of a
+    flat grid, also from far away. With edges once, each passes through exactly one triangle."""
     random = np.random.default_rng(9)
+    several = 0
     for count in (3, 5, 17, 64):
         angles = np.sort(np.concatenate([random.uniform(0, 2 * np.pi, count - 3), [0.1, 2.2, 4.3]]))
-        rim = f32(np.stack([np.cos(angles), np.sin(angles), random.uniform(-0.3, 0.3, count)], axis=1))
+        rim = f32(np.stack([np.cos(angles), np.sin(angles), 0.3 * np.cos(2 * angles)], axis=1))
         centre = f32([0.01, -0.02, 0.03])
         fan = f32([[centre, rim[k], rim[(k + 1) % count]] for k in range(count)])
         along = random.uniform(0, 0.99, (2000, 1)) * (random.random((2000, 1)) < 0.7)
@@ -341,3 +358,21 @@ def test_watertightness() -> None:
         asked, hits = ask([Geometry(fan, opaque=False)], None, rays, lambda c: c.ray >= 0)
         assert (hits.status == UnitStatus.HIT).all()
         assert len({ray for ray, *_ in asked}) == 2000
+        asked, _ = ask([Geometry(fan, opaque=False)], None, rays)
+        several += len(asked) - 2000
+        asked, _ = ask([Geometry(fan, opaque=False)], None, rays, unit=ONCE)
+        assert sorted(ray for ray, *_ in asked) == list(range(2000))
+    x, y = np.meshgrid(np.arange(20), np.arange(20), indexing="ij")
+    corners = f32(np.stack([0.37 * x, 0.21 * y, 0 * x], axis=-1))
+    a, b, c, d = corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]
+    grid = np.concatenate([np.stack(face, axis=2).reshape(-1, 3, 3) for face in ((a, b, c), (a, c, d))])
+    aimed = corners[random.integers(1, 19, 4000), random.integers(1, 19, 4000)]
+    aimed[:2000, 0] += f32(random.uniform(0, 0.37, 2000))
+    origins = aimed + f32(random.uniform([-3, -3, 2], [3, 3, 5], (4000, 3)) * 4.0 ** random.uniform(0, 6, (4000, 1)))
+    rays = {"origins": origins, "directions": aimed - origins}
+    assert (ask([Geometry(grid)], [], rays)[1].status == UnitStatus.HIT).all()
+    asked, _ = ask([Geometry(grid, opaque=False)], [], rays)
+    several += len(asked) - 4000
+    asked, _ = ask([Geometry(grid, opaque=False)], [], rays, unit=ONCE)
+    assert sorted(ray for ray, *_ in asked) == list(range(4000))
+    assert several > 500

@@ -6,6 +6,7 @@ use crate::common::oracle::Oracle;
 use crate::common::rays::{Kind, rays};
 use rayon::prelude::*;
 use raypath_model::Shape;
+use raypath_ops::EdgeRule;
 use raypath_ops::{
     Binary32, Culling, Operation, Ray, RayTriangleExtended, RayTriangleExtendedInput, Rounding, Rules, Triangle,
 };
@@ -121,6 +122,7 @@ fn of_all(mesh: &Mesh, ray: &Ray<Binary32>) -> Option<(u32, f32)> {
     let both_faces = RayTriangleExtended {
         rules: Rules::Paper,
         rounding: Rounding::Unit,
+        edges: EdgeRule::Shared,
         culling: Culling::None,
         facing: true,
         barycentrics: false,

@@ -1,7 +1,7 @@
 //! The table of parameters against the configuration.
 
 use raypath_float::Format;
-use raypath_ops::{BoxBits, Rounding, Rules};
+use raypath_ops::{BoxBits, EdgeRule, Rounding, Rules};
 use raypath_rtl::{Config, DatapathNetlist, EXCEPTIONS, Interval, Lanes, UnitLatency, parameters};
 use std::collections::BTreeSet;
 
@@ -50,7 +50,7 @@ fn the_display_of_a_configuration_is_its_changes() {
 fn each_exception_is_refused() {
     let (folded, sums) = (Config::DEFAULT.interval(Interval::Four), Config::DEFAULT.rounding(Rounding::Sum));
     let (bounds, divided) = (Rules::Bounds(BoxBits::DEFAULT), UnitLatency::Two);
-    let quantised = Config::DEFAULT.quantised_boxes(true);
+    let (once, quantised) = (Config::DEFAULT.edges(EdgeRule::Once), Config::DEFAULT.quantised_boxes(true));
     let refused = [
         (Config::DEFAULT.box_bits(BoxBits(9)), "box-bits: 9 is not available with rules paper", "rules bounds"),
         (
@@ -63,6 +63,10 @@ fn each_exception_is_refused() {
             "quantised-boxes: true is not available with conservative true",
             "conservative false",
         ),
+        (once.rules(Rules::Chisel), "edges: once is not available with rules chisel", "rules paper or bounds"),
+        (once.exception_flags(true), "edges: once is not available with exception-flags true", "edges shared"),
+        (once.interval(Interval::Four), "edges: once is not available with interval 4", "interval 1"),
+        (once.unit_latency(divided), "edges: once is not available with unit-latency 2", "unit-latency 1"),
         (quantised.rules(Rules::Chisel), "quantised-boxes: true is not available with rules chisel", "rules paper"),
         (quantised.rules(bounds), "quantised-boxes: true is not available with rules bounds", "rules paper"),
         (

@@ -102,7 +102,7 @@ impl Bvh4 {
     /// most 13 above the instances that fit into 4 GiB.
     pub const MAX_LEVELS: u32 = 48;
 
-    /// Builds the tree of a mesh.
+    /// Builds the tree of a mesh, without its [degenerate](Mesh::is_degenerate) triangles, which are never hit.
     ///
     /// # Errors
     /// More than [`MAX_TRIANGLES`](Self::MAX_TRIANGLES) triangles.
@@ -117,10 +117,25 @@ impl Bvh4 {
     /// The tree of a mesh with at most `levels` levels, which must be enough for a balanced tree.
     fn within(mesh: &Mesh, levels: u32) -> Self {
         let groups = Groups::of(mesh);
+        if groups.first.is_empty() {
+            return Self { nodes: vec![Node::empty()], levels: 1, ..Self::without_nodes(mesh) };
+        }
         let tree = binary_tree(mesh, &groups.first);
         let mut collapse = Collapse::new(mesh, &groups, &tree, levels);
         collapse.run();
         collapse.bvh
+    }
+
+    fn without_nodes(mesh: &Mesh) -> Self {
+        Self {
+            nodes: Vec::new(),
+            triangles: Vec::new(),
+            indices: Vec::new(),
+            places: Vec::new(),
+            geometries: mesh.geometries().to_vec(),
+            stack: 0,
+            levels: 0,
+        }
     }
 
     /// The nodes; the root is the first.
@@ -177,7 +192,7 @@ pub fn peer_triangles(mesh: &Mesh, triangles: &[u32]) -> Vec<PeerTriangle> {
     corners.map(|[a, b, c]| PeerTriangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect()
 }
 
-/// The triangles of a mesh. Those that have one box, if they are more than a leaf holds, are a group, because obvhs
+/// The triangles of a mesh that are not degenerate. Those that have one box, if they are more than a leaf holds, are a group, because obvhs
 /// takes a time that grows with the square of their number. Every other triangle is a group of its own.
 struct Groups {
     /// The first triangle of each group.
@@ -188,7 +203,7 @@ struct Groups {
 
 impl Groups {
     fn of(mesh: &Mesh) -> Self {
-        let triangles = 0..mesh.triangles().len() as u32;
+        let triangles = (0..mesh.triangles().len() as u32).filter(|&index| !mesh.is_degenerate(index));
         let place = |index: u32| {
             let Bounds { min, max } = mesh.corners(index).into_iter().fold(Bounds::EMPTY, Bounds::with);
             [min, max].map(|corner| corner.map(f32::to_bits))
@@ -255,15 +270,7 @@ struct Task {
 
 impl<'m> Collapse<'m> {
     fn new(mesh: &'m Mesh, groups: &Groups, tree: &'m Bvh2, max_levels: u32) -> Self {
-        let bvh = Bvh4 {
-            nodes: Vec::new(),
-            triangles: Vec::new(),
-            indices: Vec::new(),
-            places: Vec::new(),
-            geometries: mesh.geometries().to_vec(),
-            stack: 0,
-            levels: 0,
-        };
+        let bvh = Bvh4::without_nodes(mesh);
         let (mut counts, mut firsts, mut order) = (vec![0; tree.nodes.len()], vec![0; tree.nodes.len()], Vec::new());
         for &node in nodes_below(tree, 0).iter().rev() {
             let data = &tree.nodes[node as usize];

@@ -1,5 +1,6 @@
 //! Triangle meshes.
 
+use robust::{Coord, orient2d};
 use thiserror::Error;
 
 /// A valid mesh of triangles with shared vertices.
@@ -115,6 +116,17 @@ impl Mesh {
     #[inline]
     pub fn corners(&self, index: u32) -> [[f32; 3]; 3] {
         self.triangles[index as usize].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// Whether the corners of triangle `index` are on one line, exactly. Procedural boxes are not degenerate.
+    pub fn is_degenerate(&self, index: u32) -> bool {
+        let corners = self.corners(index);
+        let turns = |x: usize, y: usize| {
+            let [a, b, c] = corners.map(|corner| Coord { x: f64::from(corner[x]), y: f64::from(corner[y]) });
+            orient2d(a, b, c) != 0.0
+        };
+        let is_box = self.geometries.get(self.place(index).geometry as usize).is_some_and(|geometry| geometry.is_boxes);
+        !(is_box || turns(0, 1) || turns(1, 2) || turns(2, 0))
     }
 
     /// The bounding box of all triangles. Unused vertices do not count.

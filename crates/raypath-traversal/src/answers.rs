@@ -37,10 +37,10 @@ pub(crate) struct ReadyRay {
 impl Answers {
     /// The jobs of a unit by these rules.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
-        let UnitFeatures { barycentrics, .. } = parameters.features;
+        let UnitFeatures { barycentrics, edges, .. } = parameters.features;
         let rounding = Rounding::Unit;
         let (culling, facing, range) = (Culling::None, true, false);
-        let triangles = RayTriangleExtended { rules, rounding, culling, facing, barycentrics, range };
+        let triangles = RayTriangleExtended { rules, rounding, edges, culling, facing, barycentrics, range };
         Self { boxes: RayBox { rules, is_conservative: true }, triangles }
     }
 
@@ -165,7 +165,7 @@ impl Answers {
     fn triangle(&self, nodes: NodeKind, ready: &ReadyRay, block: &[u8], place: u32) -> TriangleHit<Binary32> {
         let LeafTriangle { triangle, index } = LeafTriangle::of(block, place as usize, nodes);
         let input = RayTriangleExtendedInput { ray: ready.ray, triangle, t_min: 0.0.into() };
-        let (outcome, ()) = self.triangles.run(Binary32, input, ());
+        let (outcome, ()) = self.triangles.run_with(Binary32, SimdKernels, input, ());
         TriangleHit {
             is_hit: outcome.triangle_hit,
             has_more: false.into(),

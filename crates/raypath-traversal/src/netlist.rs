@@ -98,6 +98,9 @@ impl<'m> Circuit for Netlist<'m> {
     fn multiply(self, _a: Value<'m>, _b: Value<'m>) -> Value<'m> {
         self.no_arithmetic()
     }
+    fn residue(self, _product: Value<'m>, _a: Value<'m>, _b: Value<'m>) -> Value<'m> {
+        self.no_arithmetic()
+    }
     fn negate(self, a: Value<'m>) -> Value<'m> {
         Value(self.0.concat(&[!a.0.top(), self.magnitude(a)]))
     }

@@ -22,7 +22,7 @@ use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
 use crate::query::{Front, InstanceFlags, InstanceWords, Queries};
 use crate::state::{Answer, Group, RayState, Request, answer, request, status};
 use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
-use raypath_ops::{Bit, Flags, Num, Select, Word, array_of, bundle};
+use raypath_ops::{Bit, EdgeRule, Flags, Num, Select, Word, array_of, bundle};
 
 /// The parameters of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +42,8 @@ pub struct StepParameters {
 pub struct UnitFeatures {
     /// Hits have barycentric coordinates.
     pub barycentrics: bool,
+    /// To which triangles the points of an edge belong.
+    pub edges: EdgeRule,
     /// Scenes have instances.
     pub instances: bool,
     /// Objects of instances have instances.
@@ -59,7 +61,8 @@ impl Default for StepParameters {
 
 impl UnitFeatures {
     /// No optional parts.
-    pub const OFF: Self = Self { barycentrics: false, instances: false, nested: false, queries: Queries::None };
+    pub const OFF: Self =
+        Self { barycentrics: false, edges: EdgeRule::Shared, instances: false, nested: false, queries: Queries::None };
 
     /// Whether there are flags of primitives and instances.
     pub(crate) fn has_flags(self) -> bool {

@@ -2,13 +2,20 @@
 //! nothing depends on what registers and memories had before, the campaign of the item `unit` checks.
 
 use raypath_hdl::depends_combinationally;
+use raypath_ops::EdgeRule;
 use raypath_rtl::{Config, Control};
 use raypath_traversal::{Queries, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 
 fn unit(control: Control) -> UnitNetlist {
     // With all that a unit can have.
     let step = StepParameters {
-        features: UnitFeatures { barycentrics: true, instances: true, nested: true, queries: Queries::Full },
+        features: UnitFeatures {
+            barycentrics: true,
+            edges: EdgeRule::Once,
+            instances: true,
+            nested: true,
+            queries: Queries::Full,
+        },
         ..StepParameters::default()
     };
     let parameters = UnitParameters { contexts: 8, memory_width: 256, step, ..UnitParameters::default() };

@@ -3,6 +3,7 @@
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Shape;
+use raypath_ops::EdgeRule;
 use raypath_traversal::blocks::{NODE_KIND, NodeKind};
 use raypath_traversal::state::status;
 use raypath_traversal::system::{MemoryParameters, RayUser, simulate};
@@ -89,7 +90,13 @@ fn simulations_equal_the_unit_at_its_ports() {
             512,
             40,
             wide,
-            UnitFeatures { instances: true, barycentrics: true, nested: true, queries: Queries::Full },
+            UnitFeatures {
+                instances: true,
+                barycentrics: true,
+                edges: EdgeRule::Once,
+                nested: true,
+                queries: Queries::Full,
+            },
         ),
         (100, 16, 128, 40, quantised, UnitFeatures { barycentrics: true, ..none }),
     ] {

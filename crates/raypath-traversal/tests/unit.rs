@@ -4,7 +4,7 @@
 use crate::common::along_z;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_ops::{Rounding, Rules};
+use raypath_ops::{EdgeRule, Rounding, Rules};
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Options, Sources, Verilated};
 use raypath_traversal::blocks::NodeKind::{Quantised, Wide4};
@@ -21,7 +21,7 @@ const NOTHING: UnitFeatures = UnitFeatures::OFF;
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
 const FLAGS: UnitFeatures = UnitFeatures { queries: Queries::Flags, ..NOTHING };
 const EVERYTHING: UnitFeatures =
-    UnitFeatures { barycentrics: true, instances: true, nested: true, queries: Queries::Full };
+    UnitFeatures { barycentrics: true, edges: EdgeRule::Once, instances: true, nested: true, queries: Queries::Full };
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
 const SLOW: Behaviour = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
 const BLOCKED: Behaviour = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };

@@ -174,7 +174,7 @@ mod tests {
         "interval",
         "unit-latency",
         "clock-gating",
-        "conservative",
+        "edges",
         "quantised-boxes",
         "exception-flags",
     ];

@@ -1,6 +1,7 @@
 //! The operations against exact arithmetic. `docs/reference/error-bounds.md` derives the bounds.
 
 pub mod boxes;
+mod needles;
 mod patches;
 pub mod sums;
 pub mod triangle_distances;

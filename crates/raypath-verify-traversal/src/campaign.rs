@@ -4,7 +4,7 @@
 use crate::built;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_ops::Rules;
+use raypath_ops::{EdgeRule, Rules};
 use raypath_rtl::{Config, Control};
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::status;
@@ -79,7 +79,13 @@ const UNITS: [Setting; 8] = [
     with(
         unit(Control::Skid, [12, 2, 512, 5, 3]),
         NodeKind::Wide4,
-        UnitFeatures { barycentrics: true, instances: true, nested: true, queries: Queries::Full },
+        UnitFeatures {
+            barycentrics: true,
+            edges: EdgeRule::Once,
+            instances: true,
+            nested: true,
+            queries: Queries::Full,
+        },
     ),
 ];
 

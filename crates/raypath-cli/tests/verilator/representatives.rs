@@ -1,7 +1,7 @@
 //! Configurations that together contain every value of every parameter.
 
 use raypath_float::Format;
-use raypath_ops::{BoxBits, Rounding, Rules};
+use raypath_ops::{BoxBits, EdgeRule, Rounding, Rules};
 use raypath_rtl::{
     Config, Control, Encoding, Interval, Lanes, Multiplier, PARAMETER_GROUPS, Sharing, UnitLatency, UnitSharing,
 };
@@ -15,6 +15,7 @@ pub const REPRESENTATIVES: [Config; 8] = [
         .io(Encoding::Recoded)
         .registers(Encoding::Ieee)
         .control(Control::Credit)
+        .edges(EdgeRule::Once)
         .multiplier(Multiplier::Inferred),
     DEFAULT
         .lanes(Lanes::Four)
@@ -40,7 +41,12 @@ pub const REPRESENTATIVES: [Config; 8] = [
         .box_bits(BoxBits(9))
         .control(Control::Credit)
         .unit_latency(UnitLatency::Two),
-    DEFAULT.lanes(Lanes::Eight).rounding(Rounding::Sum).sharing(Sharing::Segregated).clock_gating(true),
+    DEFAULT
+        .lanes(Lanes::Eight)
+        .rounding(Rounding::Sum)
+        .edges(EdgeRule::Once)
+        .sharing(Sharing::Segregated)
+        .clock_gating(true),
 ];
 
 /// Checks the claim of the list.

@@ -31,8 +31,32 @@ struct Factors<'m> {
     sign: Wire<'m>,
 }
 
+/// The bits of the output `residue_o`.
+const RESIDUE_BITS: u32 = 26;
+
 /// Multiplies the significands in the remaining parts of a unit.
-type Multiply = for<'m> fn(Format, &mut Parts<'m>, Factors<'m>) -> Unrounded<'m>;
+type Multiply = for<'m> fn(Format, &mut Parts<'m>, Factors<'m>) -> Product<'m>;
+
+/// A product before it is rounded.
+struct Product<'m> {
+    unrounded: Unrounded<'m>,
+    /// The digits behind its word, in a unit of one part.
+    low: Wire<'m>,
+}
+
+/// An output besides the product.
+#[derive(Clone, Copy, PartialEq)]
+enum Extra {
+    None,
+    Flags,
+    Residue,
+}
+
+impl Extra {
+    fn flags_if(are_present: bool) -> Self {
+        if are_present { Self::Flags } else { Self::None }
+    }
+}
 
 /// The module `raypath_fp_mul_<format>`: `product_o = a_i * b_i`.
 pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
@@ -45,7 +69,7 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
 /// Another number of parts.
 pub fn mul_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
     Parts::build("mul", "Product of two recoded numbers", format, with_flags, parts, |parts| {
-        describe(format, format, parts, with_flags, booth_product)
+        describe(format, format, parts, Extra::flags_if(with_flags), booth_product)
     })
 }
 
@@ -61,7 +85,7 @@ pub fn mul_by_short_parts(format: Format, bits: u32, parts: u32, inferred: bool)
     let name = format!("raypath_fp_{stem}_{format}_by_s{bits}");
     let factor = narrowed(format, bits, &name, "b_i")?;
     let doc = format!("Product of a recoded number and one of {factor}, rounded to nearest even.");
-    Parts::build_module(&name, &doc, parts, |parts| describe(format, factor, parts, false, product))
+    Parts::build_module(&name, &doc, parts, |parts| describe(format, factor, parts, Extra::None, product))
 }
 
 /// The multiplier of [`mul_parts`] whose text multiplies significands with the operator `*`, so that synthesis for an
@@ -73,11 +97,24 @@ pub fn mul_by_short_parts(format: Format, bits: u32, parts: u32, inferred: bool)
 /// Another number of parts.
 pub fn mul_inferred_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
     Parts::build("mul_inferred", "Product of two recoded numbers", format, with_flags, parts, |parts| {
-        describe(format, format, parts, with_flags, inferred_product)
+        describe(format, format, parts, Extra::flags_if(with_flags), inferred_product)
     })
 }
 
-fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, with_flags: bool, multiply: Multiply) {
+/// The module `raypath_fp_mul_residue_<format>`: the multiplier of [`mul`], or with `inferred` that of
+/// [`mul_inferred_parts`], with the output `residue_o`. Its 26 bits, from the highest on: the product is not 0 and below
+/// the normal range; it is rounded down; the digits that rounding takes, then zeros. Of products that are equal after
+/// rounding, the one of the greater magnitude has the greater residue. Zeros have the residue 0.
+pub fn mul_with_residue(format: Format, inferred: bool) -> Result<Arc<Module>, Error> {
+    let (stem, product): (_, Multiply) =
+        if inferred { ("mul_inferred", inferred_product) } else { ("mul", booth_product) };
+    let name = format!("raypath_fp_{stem}_residue_{format}");
+    let doc = "Product of two recoded numbers, rounded to nearest even, and what rounding takes.";
+    let describe = |parts: &mut Parts<'_>| describe(format, format, parts, Extra::Residue, product);
+    Ok(Parts::build_module(&name, doc, 1, describe)?.remove(0))
+}
+
+fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, extra: Extra, multiply: Multiply) {
     let e = format.exponent();
     let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
@@ -102,16 +139,36 @@ fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, with_flags: b
     let exponent = settled.mux(class, biased).named("exponent");
     let sign = ((a_i.top() ^ b_i.top()) & !nan).named("sign");
 
-    if with_flags {
+    if extra == Extra::Flags {
         parts.take_along("invalid", zero_times_infinity.named("invalid"));
         let special = a.exponent().upper(2).all() | b.exponent().upper(2).all();
         parts.take_along("ordinary", (!special & !a.is_zero() & !b.is_zero()).named("ordinary"));
     }
 
-    let rounded = multiply(format, parts, Factors { multiplicand: a, multiplier: b, exponent, settled, sign }).round();
+    let nonzero = !special & !a.is_zero() & !b.is_zero();
+    let factors = Factors { multiplicand: a, multiplier: b, exponent, settled, sign };
+    let Product { unrounded, low } = multiply(format, parts, factors);
+    let (word, is_settled) = (unrounded.word, unrounded.settled);
+    let rounded = unrounded.round();
     let m = parts.builder();
     m.output("product_o", rounded.number);
-    if with_flags {
+    if extra == Extra::Residue {
+        m.section("What rounding takes");
+        let s = format.significand();
+        // The lower half of the digits of a product in [2, 4), and the place before them.
+        let digits = m.concat(&[word.lower(3), low]).named("lower_digits");
+        let zero = m.constant(1, 0);
+        let (carried, short) = (word.top(), m.concat(&[digits.lower(s - 1), zero]));
+        let lost = carried.mux(digits.lower(s), short).named("taken");
+        let last = carried.mux(digits.bit(s), digits.bit(s - 1));
+        let up = (lost.top() & (lost.lower(s - 1).any() | last)).named("rounded_up");
+        let key = m.concat(&[!up, lost]) & (!is_settled).replicate(s + 1);
+        let tiny = is_settled.mux(vanishes & nonzero, rounded.is_tiny());
+        let below = RESIDUE_BITS - s - 2;
+        let residue = m.concat(&[tiny, key]);
+        m.output("residue_o", if below > 0 { m.concat(&[residue, m.constant(below, 0)]) } else { residue });
+    }
+    if extra == Extra::Flags {
         m.section("Exceptions");
         let absent = m.constant(1, 0);
         let [invalid, ordinary] = ["invalid", "ordinary"].map(|stem| parts.along(stem).unwrap_or(absent));
@@ -122,7 +179,7 @@ fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, with_flags: b
     }
 }
 
-fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Unrounded<'m> {
+fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Product<'m> {
     let s = format.significand();
     let Factors { exponent, settled, sign, .. } = factors;
     let m = parts.builder();
@@ -154,10 +211,10 @@ fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>
     let word = lookahead::add(addend, augend, Some(low_carry), "high");
     m.unused("unused_carry", &[word.carry]);
     let word = word.word.named("word");
-    Unrounded { format, word, sticky, exponent, settled, sign, subnormal: None }
+    Product { unrounded: Unrounded { format, word, sticky, exponent, settled, sign, subnormal: None }, low: low.word }
 }
 
-fn inferred_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Unrounded<'m> {
+fn inferred_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Product<'m> {
     let (s, n) = (format.significand(), factors.multiplier.fraction().width() + 1);
     let Factors { exponent, settled, sign, .. } = factors;
     let (multiplicand, multiplier) = (factors.multiplicand.fraction(), factors.multiplier.fraction());
@@ -172,6 +229,8 @@ fn inferred_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<
     let subnormal = mark_lost(format, exponent, settled);
     cut!(parts, [(1, 2), (2, 3)], whole, exponent, settled, sign, subnormal);
     let word = whole.upper(s + 2).named("word");
-    let sticky = whole.lower(n - 2).any().named("sticky");
-    Unrounded { format, word, sticky, exponent, settled, sign, subnormal: Some(subnormal) }
+    let low = whole.lower(n - 2);
+    let sticky = low.any().named("sticky");
+    let subnormal = Some(subnormal);
+    Product { unrounded: Unrounded { format, word, sticky, exponent, settled, sign, subnormal }, low }
 }

@@ -299,6 +299,32 @@ impl Arithmetic {
         number
     }
 
+    /// Whether a product is not 0, and its magnitude is below the normal range before rounding.
+    pub fn is_product_tiny(&self, [a, b]: [Number; 2]) -> bool {
+        let (Signed(_, Finite { exponent: a, digits: p }), Signed(_, Finite { exponent: b, digits: q })) = (a, b)
+        else {
+            return false;
+        };
+        let carries = u128::from(p) * u128::from(q) >= 1 << 127;
+        a + b + i32::from(carries) < self.exponents.0
+    }
+
+    /// The order of two exact products of finite numbers.
+    pub fn order_of_products(products: [[Number; 2]; 2]) -> Ordering {
+        // The sign as an order to zero, the exponent of the highest bit, and the digits from it on.
+        let [a, b] = products.map(|factors| match factors {
+            [Signed(a, Finite { exponent: e, digits: p }), Signed(b, Finite { exponent: f, digits: q })] => {
+                let digits = u128::from(p) * u128::from(q);
+                let up = digits.leading_zeros();
+                let sign = if a == b { Ordering::Greater } else { Ordering::Less };
+                (sign, (e + f - up as i32, digits << up))
+            }
+            _ => (Ordering::Equal, (0, 0)),
+        });
+        let magnitudes = if a.0 == Ordering::Less { b.1.cmp(&a.1) } else { a.1.cmp(&b.1) };
+        a.0.cmp(&b.0).then(magnitudes)
+    }
+
     /// This many units in the last place of 1.
     pub fn ulps(&self, ulps: u64) -> Number {
         Signed(false, Magnitude::of(ulps.into(), 1 - self.significand))

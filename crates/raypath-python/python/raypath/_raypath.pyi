@@ -290,6 +290,7 @@ class Datapath:
         multiplier: Literal["booth", "inferred"] = ...,
         tag: int = ...,
         barycentrics: bool = ...,
+        edges: Literal["shared", "once"] = ...,
         culling: Literal["back", "front", "none"] = ...,
         facing: bool = ...,
         range: bool = ...,
@@ -858,6 +859,7 @@ class Unit:
         sharing: Literal["union", "segregated"] = ...,
         unit_latency: Literal[1, 2, 3] = ...,
         barycentrics: bool = ...,
+        edges: Literal["shared", "once"] = ...,
     ) -> Unit: ...
     @property
     def parameters(self) -> _UnitParameters:

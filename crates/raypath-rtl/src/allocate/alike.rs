@@ -25,7 +25,7 @@ pub fn alike(graph: &OperationGraph<Step>, op: usize, made: &[NodeId], before: &
         let operands = graph.operands(id);
         let key = match bindings.get(&id) {
             Some(binding) => (binding.unit.stem(), Vec::new()),
-            None if graph.unit_part(id).is_some() || matches!(own, Op::Flags(_)) => continue,
+            None if graph.unit_part(id).is_some() || matches!(own, Op::Flags(_) | Op::Residue(..)) => continue,
             None => {
                 let operand = |&id: &NodeId| match before.slot(op, id) {
                     Some(slot) => Operand::Net(Origin::Register(slot)),

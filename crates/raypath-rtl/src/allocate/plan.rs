@@ -11,7 +11,7 @@ use crate::fold::{self, Rounds};
 use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
 use crate::ir::liveness::{self, PositionValues};
 use crate::ir::position::{Step, StepLabel};
-use crate::ir::units::{Unit, Units};
+use crate::ir::units::{Unit, UnitKind, Units};
 use crate::ir::widths::Widths;
 use raypath_float::Format;
 use std::collections::{BTreeMap, BTreeSet};
@@ -162,6 +162,12 @@ impl Plan {
             bindings[op].iter().filter(move |(_, binding)| binding.unit == unit).map(move |(&id, _)| (op, id))
         };
         (0..bindings.len()).flat_map(of).collect()
+    }
+
+    /// Whether an operation reads what rounding takes from a product of this multiplier.
+    pub fn has_residue(&self, step: usize, unit: Unit) -> bool {
+        let reads = |(op, id): (usize, NodeId)| self.operations[op].reads_residue(id);
+        unit.kind == UnitKind::Multiply && self.users(step, unit).into_iter().any(reads)
     }
 
     /// The numbers of encoders and decoders that an operation uses in a step.

@@ -8,7 +8,7 @@ use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
 use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
 use raypath_float::Format;
-use raypath_ops::{BoxBits, Culling, JobKind, Rounding, Rules};
+use raypath_ops::{BoxBits, Culling, EdgeRule, JobKind, Rounding, Rules};
 use std::fmt;
 
 declare_parameters! {
@@ -73,13 +73,16 @@ declare_parameters! {
         tag ("tag"): u32 as TagWidth = 0,
         /// Output ports for a triangle's U, V and W.
         barycentrics ("barycentrics"): bool = false,
+        /// To which triangles the points of an edge belong: all that share it, or one; needs the rules `paper` or
+        /// `bounds`.
+        edges ("edges"): EdgeRule = EdgeRule::Shared,
         /// The faces of triangles that are not hit.
         culling ("culling"): Culling = Culling::Back,
         /// An output port for the face of the triangle that the ray meets.
         facing ("facing"): bool = false,
         /// Triangles are hit only between the input port `t_min` and the ray's extent.
         range ("range"): bool = false,
-        /// No box that a ray touches is missed through rounding; needs the rules `paper`.
+        /// Rounding makes no box a miss that a ray touches, or that is around a triangle that it hits.
         conservative ("conservative"): bool = false,
         /// Boxes with bounds of 8 bits (the operation `quantised_box`) in place of boxes of numbers; needs the rules
         /// `paper`.
@@ -206,7 +209,8 @@ impl Features {
 
     /// Whether a feature changes what a triangle job computes.
     pub(crate) fn extend_triangles(self) -> bool {
-        self.barycentrics || self.facing || self.range || self.culling != Culling::Back
+        let is_paper = self.culling == Culling::Back && self.edges == EdgeRule::Shared;
+        self.barycentrics || self.facing || self.range || !is_paper
     }
 
     /// Checks the width of a tag.

@@ -4,7 +4,7 @@ use super::declarations::{Config, parameters};
 use super::enumerations::{Interval, UnitLatency};
 use crate::error::Error;
 use raypath_float::Format;
-use raypath_ops::{BoxBits, Rounding, Rules};
+use raypath_ops::{BoxBits, EdgeRule, Rounding, Rules};
 use std::fmt;
 
 /// Values of two parameters that cannot be combined.
@@ -40,6 +40,7 @@ const CHISEL: Choice = choice("rules", "chisel", |c| c.semantics.rules == Rules:
 const BOUNDS: Choice = choice("rules", "bounds", |c| matches!(c.semantics.rules, Rules::Bounds(_)));
 const NOT_BOUNDS: Choice = choice("rules", "paper or chisel", |c| !matches!(c.semantics.rules, Rules::Bounds(_)));
 const CONSERVATIVE: Choice = choice("conservative", "true", |c| c.semantics.features.conservative);
+const ONCE: Choice = choice("edges", "once", |c| c.semantics.features.edges == EdgeRule::Once);
 const QUANTISED: Choice = choice("quantised-boxes", "true", |c| c.semantics.features.quantised_boxes);
 const NOT_BINARY32: Choice = choice("format", "other than fp32", |c| c.semantics.format != Format::BINARY32);
 const BOX_BITS: Choice = choice("box-bits", "other than 13", |c| c.semantics.box_bits != BoxBits::DEFAULT);
@@ -58,6 +59,10 @@ pub const EXCEPTIONS: &[Exception] = &[
         "conservative false",
         "it changes the test of boxes of numbers, and there is none",
     ),
+    exception(ONCE, CHISEL, "rules paper or bounds", "the edges of the original hardware belong to all triangles"),
+    exception(ONCE, FLAGS, "edges shared", "no multiplier has outputs for both"),
+    exception(ONCE, FOLDED, "interval 1", "the rounds of a stage have no multiplier with another output"),
+    exception(ONCE, DIVIDED, "unit-latency 1", "a divided multiplier has no such output"),
     exception(QUANTISED, CHISEL, "rules paper", "the original hardware has no such boxes"),
     exception(QUANTISED, BOUNDS, "rules paper", "they shorten boxes of numbers, and there are none"),
     exception(FLAGS, NOT_BINARY32, "format fp32", "only in binary32 a model computes exceptions"),

@@ -52,8 +52,8 @@ impl Semantics {
     /// The triangle test with the features that change it; `None` without such a feature.
     pub fn extended_triangle(self) -> Option<RayTriangleExtended> {
         let (rules, rounding) = (self.rules_in_full(), self.rounding);
-        let Features { culling, facing, barycentrics, range, .. } = self.features;
-        let extended = RayTriangleExtended { rules, rounding, culling, facing, barycentrics, range };
+        let Features { edges, culling, facing, barycentrics, range, .. } = self.features;
+        let extended = RayTriangleExtended { rules, rounding, edges, culling, facing, barycentrics, range };
         self.features.extend_triangles().then_some(extended)
     }
 }

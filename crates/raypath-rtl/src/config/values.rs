@@ -1,7 +1,7 @@
 //! How the values of parameters are written on the command line and in files.
 
 use raypath_float::Format;
-use raypath_ops::{BoxBits, Culling, Rounding, Rules};
+use raypath_ops::{BoxBits, Culling, EdgeRule, Rounding, Rules};
 
 /// The greatest width of a tag in bits.
 pub const MAX_TAG_WIDTH: u32 = 32;
@@ -40,6 +40,7 @@ values_by_text!(Format, "fp32|tf32|bf16|fp16|eXsY", name);
 values_by_text!(Rules, "paper|chisel|bounds", to_string);
 values_by_text!(BoxBits, "8..24", to_string);
 values_by_text!(Rounding, "unit|sum", to_string);
+values_by_text!(EdgeRule, "shared|once", to_string);
 values_by_text!(Culling, "back|front|none", to_string);
 
 impl Values<Self> for bool {

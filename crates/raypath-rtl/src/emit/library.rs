@@ -26,6 +26,8 @@ pub struct Library {
     /// Adders of several terms in parts, by the number of terms.
     sum: BTreeMap<u32, Vec<Arc<Module>>>,
     multiply: Vec<Arc<Module>>,
+    /// The multiplier with an output of what rounding takes, if the plan has it.
+    pub residue: Option<Arc<Module>>,
     /// Multipliers by a short factor in parts, if the plan has short words.
     multiply_by_short: Option<Vec<Arc<Module>>>,
     compare: Arc<Module>,
@@ -82,6 +84,8 @@ impl Library {
         let inferred = plan.microarchitecture.multiplier == Multiplier::Inferred;
         let by_short = |bits| raypath_float::mul_by_short_parts(format, bits, parts, inferred);
         let multiply_by_short = plan.widths.factor().map(by_short).transpose()?;
+        let mut nodes = plan.operations.iter().flat_map(|graph| &graph.nodes);
+        let has_residue = nodes.any(|node| matches!(node.op, Op::Residue(..)));
         Ok(Self {
             format,
             multiply_by_short,
@@ -93,6 +97,7 @@ impl Library {
             add: raypath_float::add_parts(format, parts, with_flags)?,
             sum,
             multiply: plan.microarchitecture.multiplier.parts(format, parts, with_flags)?,
+            residue: has_residue.then(|| raypath_float::mul_with_residue(format, inferred)).transpose()?,
             compare: raypath_float::compare(format)?,
             narrow: narrow.transpose()?,
             narrowings,
@@ -147,7 +152,9 @@ impl Library {
             UnitKind::Encode => Arc::ptr_eq(&self.encode, module),
             UnitKind::Add => is(&self.add),
             UnitKind::Sum => self.sum.values().any(|parts| is(parts)),
-            UnitKind::Multiply => is(&self.multiply) || self.multiply_by_short.as_deref().is_some_and(is),
+            UnitKind::Multiply => {
+                is(&self.multiply) || is(self.residue.as_slice()) || self.multiply_by_short.as_deref().is_some_and(is)
+            }
             UnitKind::Compare => Arc::ptr_eq(&self.compare, module),
             UnitKind::Decode => Arc::ptr_eq(&self.decode, module),
         })

@@ -129,7 +129,8 @@ impl<'m, 'p> Values<'m, 'p> {
         if !self.in_progress.insert(unit) {
             return Err(Error::UnitLoop { stage: self.at.plan.steps[self.at.step].label.stage });
         }
-        let module = self.at.library.unit(unit);
+        let residue = self.at.library.residue.as_ref().filter(|_| self.at.plan.has_residue(self.at.step, unit));
+        let module = residue.unwrap_or_else(|| self.at.library.unit(unit));
         let mut connections = Vec::new();
         for (operand, port) in module.inputs().iter().enumerate() {
             let wire = if unit.part == 0 {
@@ -252,7 +253,7 @@ impl<'m, 'p> Values<'m, 'p> {
                 let results = self.unit(unit)?;
                 relate(results[0], results[1], results[2], relation)
             }
-            Op::Flags(a) => {
+            Op::Flags(a) | Op::Residue(a, ..) => {
                 let unit = self.at.plan.steps[self.at.step].bindings[op][&a].unit;
                 self.unit(unit)?[1]
             }

@@ -61,6 +61,8 @@ pub enum Op {
     Relation(NodeId, Relation),
     /// The floating-point exceptions of a sum or a product.
     Flags(NodeId),
+    /// What rounding takes from the first value, the product of the others.
+    Residue(NodeId, NodeId, NodeId),
     /// Both truth values.
     And(NodeId, NodeId),
     /// Either truth value.
@@ -363,6 +365,7 @@ impl<P: Position> OperationGraph<P> {
             | Op::WordLess(a, b)
             | Op::WordOr(a, b) => vec![a, b],
             Op::Select(condition, a, b) => vec![condition, a, b],
+            Op::Residue(product, a, b) => vec![product, a, b],
         }
     }
 
@@ -380,6 +383,11 @@ impl<P: Position> OperationGraph<P> {
             }
         }
         live
+    }
+
+    /// Whether something reads what rounding takes from a product.
+    pub fn reads_residue(&self, product: NodeId) -> bool {
+        self.nodes.iter().any(|node| matches!(node.op, Op::Residue(of, ..) if of == product))
     }
 
     /// Whether a value is available at every position.

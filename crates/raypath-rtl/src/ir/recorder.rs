@@ -3,7 +3,8 @@
 use crate::ir::graph::{Kind, Node, NodeId, Op, OperationGraph, OutputValue, PortBit, StateValue};
 use crate::ir::position::{Position, Stage};
 use raypath_ops::{
-    Binary32, Bit, Bundle, Circuit, Field, Narrowing, Num, Operation, Path, Relation, Single, Sink, Source, Test,
+    Binary32, Bit, Bundle, Circuit, Field, Narrowing, Num, Operation, Path, RESIDUE_BITS, Relation, Single, Sink,
+    Source, Test,
 };
 use std::borrow::Cow;
 use std::cell::{Cell, RefCell};
@@ -193,6 +194,10 @@ impl Circuit for RecordingCircuit<'_> {
     }
     fn multiply(self, a: NodeId, b: NodeId) -> NodeId {
         self.push(Kind::Number, Op::Multiply(a, b))
+    }
+    fn residue(self, product: NodeId, a: NodeId, b: NodeId) -> NodeId {
+        let stage = self.recording.nodes.borrow()[product.index()].position;
+        self.push_at(stage, Kind::Word(RESIDUE_BITS), Op::Residue(product, a, b))
     }
     fn negate(self, a: NodeId) -> NodeId {
         self.push(Kind::Number, Op::Negate(a))

@@ -1,9 +1,9 @@
 //! Exceptions: units compared with exact arithmetic, and jobs with a circuit that collects exceptions.
 
 use crate::features::check;
-use raypath_float::{Format, add_parts, flags, mul_parts};
+use raypath_float::{Format, add_parts, flags, mul_parts, mul_with_residue};
 use raypath_hdl::{Module, Simulator};
-use raypath_ops::{Flagged, Rules};
+use raypath_ops::{Flagged, Layout, RESIDUE_TINY, Rules};
 use raypath_rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -86,6 +86,57 @@ fn units_raise_what_exact_arithmetic_says() {
             }
             assert_eq!(seen, 15);
         }
+    }
+}
+
+/// The residues of all products of small formats and of random ones of binary32: of two that are equal after rounding,
+/// that of the greater exact magnitude is greater; the unit has those of the model.
+#[test]
+fn residues_have_the_order_of_exact_products() {
+    for (e, s) in [(3, 3), (4, 3), (3, 4), (4, 4), (5, 5)] {
+        let format = Format::new(e, s).expect("a format");
+        let least = 2.0_f64.powi(2 - (1 << (e - 1)));
+        let units = [false, true].map(|inferred| {
+            Simulator::new(&mul_with_residue(format, inferred).expect("a multiplier")).expect("a unit")
+        });
+        let mut by_product: BTreeMap<u64, Vec<(f64, u32)>> = BTreeMap::new();
+        let mut units = units;
+        for a in 0..1_u64 << format.ieee_width() {
+            for b in 0..1_u64 << format.ieee_width() {
+                let exact = format.to_f64(a) * format.to_f64(b);
+                let product = format.mul(a, b);
+                if !format.to_f64(product).is_finite() {
+                    continue;
+                }
+                let residue = Layout { exponent: e, significand: s }.residue(a, b);
+                let is_tiny = exact != 0.0 && exact.abs() < least;
+                assert_eq!(residue >= RESIDUE_TINY, is_tiny, "{format}: {exact}");
+                for unit in &mut units {
+                    for (port, code) in [("a_i", a), ("b_i", b)] {
+                        let wire = unit.input(port).expect("a port");
+                        unit.set(wire, format.encode(code));
+                    }
+                    unit.settle();
+                    let [found, rounded] =
+                        ["residue_o", "product_o"].map(|port| unit.get(unit.output(port).expect("a port")));
+                    assert_eq!(format.decode(rounded), product);
+                    let has = if is_tiny { found >> 25 == 1 } else { found == u64::from(residue) };
+                    assert!(has, "{format}: {exact}, {found:x}, expected {residue:x}");
+                }
+                if !is_tiny {
+                    by_product.entry(product).or_default().push((exact.abs(), residue));
+                }
+            }
+        }
+        let mut apart = 0;
+        for mut equal in by_product.into_values() {
+            equal.sort_by(|x, y| x.0.total_cmp(&y.0));
+            for pair in equal.windows(2) {
+                assert_eq!(pair[0].0.total_cmp(&pair[1].0), pair[0].1.cmp(&pair[1].1), "{format}: {pair:?}");
+                apart += u32::from(pair[0].1 < pair[1].1);
+            }
+        }
+        assert!(apart > 10, "{apart}");
     }
 }
 

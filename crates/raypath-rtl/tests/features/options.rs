@@ -7,6 +7,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
 use raypath_hdl::verilog;
+use raypath_ops::EdgeRule;
 use raypath_ops::{Angular, Circuit, Culling, Euclidean, JobKind, Operation, RayBox, RayTriangle, Rounding, Rules};
 use raypath_rtl::{
     Accumulators, Config, Control, DatapathNetlist, Encoding, Error, Features, Lanes, Multiplier, OperationVisitor,
@@ -19,6 +20,7 @@ fn every_feature() -> Vec<(&'static str, Features)> {
     vec![
         ("tag", Features { tag: 8, ..off }),
         ("barycentrics", Features { barycentrics: true, ..off }),
+        ("edges once", Features { edges: EdgeRule::Once, ..off }),
         ("culling front", Features { culling: Culling::Front, ..off }),
         ("culling none", Features { culling: Culling::None, ..off }),
         ("facing", Features { facing: true, ..off }),
@@ -37,6 +39,7 @@ fn every_feature() -> Vec<(&'static str, Features)> {
 const ALL: Features = Features {
     tag: 32,
     barycentrics: true,
+    edges: EdgeRule::Shared,
     culling: Culling::None,
     facing: true,
     range: true,

@@ -20,7 +20,7 @@ use crate::netlist::wires;
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
-use raypath_ops::{Culling, JobKind};
+use raypath_ops::{Culling, EdgeRule, JobKind};
 use raypath_rtl::{Config, DatapathNetlist, Features, Lanes, Operations, PARAMETER_GROUPS, Parameter};
 use std::sync::Arc;
 
@@ -55,12 +55,22 @@ impl UnitNetlist {
     pub fn new(config: Config, parameters: UnitParameters) -> Result<Self, UnitError> {
         let mut parameters = parameters;
         parameters.step.features.barycentrics |= config.semantics.features.barycentrics;
+        if config.semantics.features.edges == EdgeRule::Once {
+            parameters.step.features.edges = EdgeRule::Once;
+        }
         parameters.check()?;
         check(config)?;
         let tag = bits(parameters.contexts) + tag_bits(parameters.step.node);
-        let UnitFeatures { barycentrics, .. } = parameters.step.features;
-        let features =
-            Features { tag, facing: true, barycentrics, culling: Culling::None, conservative: true, ..Features::OFF };
+        let UnitFeatures { barycentrics, edges, .. } = parameters.step.features;
+        let features = Features {
+            tag,
+            facing: true,
+            barycentrics,
+            edges,
+            culling: Culling::None,
+            conservative: true,
+            ..Features::OFF
+        };
         let config = config.lanes(Lanes::None).features(features);
         let datapath = datapath(config, parameters)?;
         let top = top(datapath.top(), parameters)?;
@@ -97,7 +107,7 @@ pub fn fixed_parameters() -> impl Iterator<Item = &'static Parameter> {
     let of_ports = semantics.parameters.iter().chain(microarchitecture.parameters);
     of_ports
         .filter(|parameter| ["rules", "box-bits", "rounding", "format", "io"].contains(&parameter.name))
-        .chain(features.parameters.iter().filter(|parameter| parameter.name != "barycentrics"))
+        .chain(features.parameters.iter().filter(|parameter| !["barycentrics", "edges"].contains(&parameter.name)))
 }
 
 /// The datapath of this configuration; with instances, it has the operation that transforms rays too.

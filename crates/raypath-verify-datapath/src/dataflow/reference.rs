@@ -219,6 +219,9 @@ impl Circuit for Terms<'_, '_, '_> {
         }
         Number { factors: Some((a.term, b.term)), ..self.number(product) }
     }
+    fn residue(self, _product: Number, a: Number, b: Number) -> Term {
+        self.made.units.residue(&mut self.made.script.borrow_mut(), a.term, b.term)
+    }
     fn negate(self, a: Number) -> Number {
         let width = a.term.width;
         let sign = self.made.script.borrow_mut().constant(width, 1 << (width - 1));

@@ -4,7 +4,7 @@ use super::conversion::{Conversion, direction_name};
 use super::design::{Design, UnitModule};
 use super::script::{Script, Term};
 use raypath_float::Format;
-use raypath_ops::Narrowing;
+use raypath_ops::{Narrowing, RESIDUE_BITS};
 
 /// The units of a design.
 #[derive(Clone, Copy)]
@@ -41,6 +41,27 @@ impl Units<'_> {
         self.is_canonical(script, number);
         self.keeps_nan(script, &[a, b], number);
         Results { number, exceptions }
+    }
+
+    /// The residue of a product. Multipliers with a residue have the products of the others.
+    pub fn residue(&self, script: &mut Script, a: Term, b: Term) -> Term {
+        let ports = [("a", a), ("b", b)];
+        for stem in ["mul", "mul_inferred"] {
+            let with_residue = format!("{stem}_residue");
+            if let Some(residue) = self.apply(script, &with_residue, &ports, "residue") {
+                let exchanged = self.apply(script, &with_residue, &[("a", b), ("b", a)], "residue");
+                exchanged.into_iter().for_each(|other| script.assume(&format!("(= {residue} {other})")));
+                for ports in [ports, [("a", b), ("b", a)]] {
+                    let product = self.apply(script, "mul", &ports, "product");
+                    let same = self.apply(script, &with_residue, &ports, "product");
+                    if let (Some(product), Some(same)) = (product, same) {
+                        script.assume(&format!("(= {product} {same})"));
+                    }
+                }
+                return residue;
+            }
+        }
+        script.free(RESIDUE_BITS)
     }
 
     /// The result of a unit of one operand, a short number with zeros below.

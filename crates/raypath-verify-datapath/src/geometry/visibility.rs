@@ -16,8 +16,9 @@ pub enum Visibility {
     NearRim,
     /// The ray passes through the patch, but the projection of a face is so thin that rounding may close it.
     Thin,
-    /// The ray passes through the patch, and no face is thin: the ray must hit a face.
-    Clear,
+    /// The ray passes through the patch, and no face is thin: the ray must hit a face. The patch winds around the ray
+    /// this number of times.
+    Clear(usize),
 }
 
 /// A factor for terms of second order and for rounding errors of this computation in binary64.
@@ -39,11 +40,12 @@ pub fn visibility(ray: &Ray<Binary32>, patch: &Patch) -> Visibility {
     let at = |vertex: usize| projected[vertex].at;
     let rim = patch.rim();
     let rim = || rim.iter().map(|edge| edge.map(at));
-    if rim().any(|edge| distance_from_zero(edge) <= moved) || rim().map(turns).sum::<i32>() < 1 {
+    let turns = rim().map(turns).sum::<i32>();
+    if rim().any(|edge| distance_from_zero(edge) <= moved) || turns < 1 {
         return Visibility::NearRim;
     }
     let is_thin = |face: &[usize; 3]| is_thin(face.map(at), moved);
-    if patch.faces.iter().any(is_thin) { Visibility::Thin } else { Visibility::Clear }
+    if patch.faces.iter().any(is_thin) { Visibility::Thin } else { Visibility::Clear(turns as usize) }
 }
 
 /// Whether a face, counter-clockwise as seen from outside, faces rays of this direction. Computed in binary64 if its
@@ -186,12 +188,12 @@ mod tests {
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let patch = Patch::new(Target::Edge, points.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
         let see = |origin, direction| visibility(&Ray::new(origin, direction, 1.0).expect("a ray"), &patch);
-        assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear);
+        assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear(1));
         assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, 1.0]), Visibility::BackFacing);
         assert_eq!(see([0.5, 0.5, -2.0], [0.0, 0.0, -1.0]), Visibility::Behind);
         assert_eq!(see([0.5, 1e-8, 2.0], [0.0, 0.0, -1.0]), Visibility::NearRim);
         assert_eq!(see([0.5, 1.5, 2.0], [0.0, 0.0, -1.0]), Visibility::NearRim);
-        assert_eq!(see([0.5, 1e-6, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear);
+        assert_eq!(see([0.5, 1e-6, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear(1));
         let thin = points.map(|[x, y, _]| [x, y * 0.4e-6, 0.0]).to_vec();
         let flat = Patch::new(Target::Edge, thin, patch.faces.clone());
         let ray = Ray::new([0.5, 0.2e-6, 2.0], [0.0, 0.0, -1.0], 1.0).expect("a ray");

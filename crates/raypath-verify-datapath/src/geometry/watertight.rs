@@ -1,11 +1,16 @@
-//! No ray passes through an edge or vertex that is shared by faces which all face it.
+//! No ray passes through an edge or vertex that is shared by faces which all face it, and with the rule `once` for edges
+//! each ray hits exactly one of them, or as many as cover it.
 
+use super::needles::Needles;
 use super::patches::{Patch, Target};
 use super::vector::{cross, dot, minus};
 use super::visibility::{Visibility, visibility};
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
-use raypath_ops::{Binary32, Job, Outcome, Ray, RayTriangleInput, RayTriangleOutput, Rounding, Rules, Triangle};
+use raypath_ops::{
+    Binary32, Culling, EdgeRule, Job, Operation, Outcome, Ray, RayTriangleExtended, RayTriangleExtendedInput,
+    RayTriangleInput, RayTriangleOutput, Rounding, Rules, Triangle,
+};
 use raypath_verify::campaign::{Campaign, Tally};
 use raypath_verify::{Error, Request, Verdict};
 
@@ -15,7 +20,7 @@ const ENOUGH: u64 = 100_000;
 const DRAWS: u32 = 200;
 
 /// Aims rays at patches. In each case the ray passes, by exact arithmetic, through a patch of faces that all face it;
-/// the datapath must hit one of them.
+/// the datapath must hit one of them, and with `edges once` exactly one.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let (rules, rounding) = (request.config.semantics.rules_in_full(), request.config.semantics.rounding);
     let cases = request.jobs.unwrap_or(request.level.pick(1_000_000, 10_000_000, 1_000_000_000));
@@ -31,8 +36,18 @@ impl<F: Fn(&Ray<Binary32>, [[f32; 3]; 3]) -> bool> Intersect for F {}
 /// The counts of checked rays, by target.
 const TARGETS: [(Target, &str); 2] = [(Target::Edge, "edges"), (Target::Vertex, "vertices")];
 
-/// Draws patches and rays until one must hit by exact arithmetic, and checks it.
+/// Draws a fan of needles, of which one must be hit with `edges once`, then patches and rays until one must hit by exact arithmetic, and checks it.
 fn run(tally: &mut Tally, rng: &mut ChaCha8Rng, is_hit: &dyn Intersect) {
+    if let Some(needles) = Needles::draw(rng) {
+        tally.add("needles", true);
+        let hits = |intersect: &dyn Intersect| needles.faces().filter(|face| intersect(&Needles::ray(), *face)).count();
+        tally.add(BY_DIRECTION, hits(&by_direction) != 1);
+        let hits = hits(&once);
+        if hits != 1 {
+            tally
+                .fail(|| format!("a ray along z hits {hits} of {:?}, expected 1", needles.faces().collect::<Vec<_>>()));
+        }
+    }
     for _ in 0..DRAWS {
         let patch = Patch::draw(rng);
         tally.add("drawn", true);
@@ -46,16 +61,16 @@ fn run(tally: &mut Tally, rng: &mut ChaCha8Rng, is_hit: &dyn Intersect) {
                 tally.add("thin", true);
                 tally.add("thin without a hit", hits(is_hit) == 0);
             }
-            Visibility::Clear => {
+            Visibility::Clear(turns) => {
                 TARGETS.iter().for_each(|(target, name)| tally.add(*name, patch.target == *target));
                 LEAKY.iter().for_each(|(name, intersect)| tally.add(*name, hits(intersect) == 0));
-                let hits = hits(is_hit);
+                let (hits, hits_once) = (hits(is_hit), hits(&once));
                 tally.add("several hits", hits > 1);
-                if hits == 0 {
+                if hits == 0 || hits_once != turns {
                     let (origin, dir): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
                     let faces: Vec<_> = patch.faces.iter().map(|face| patch.corners(*face)).collect();
-                    tally
-                        .fail(|| format!("a ray from {origin:?} along {dir:?} passes through {faces:?} without a hit"));
+                    let found = format!("{hits} hits, and {hits_once} with edges once");
+                    tally.fail(|| format!("a ray from {origin:?} along {dir:?} through {faces:?}: {found}"));
                 }
                 return;
             }
@@ -68,16 +83,28 @@ fn verdict(tally: Tally, is_stopped: bool) -> Verdict {
     let checked = edges + vertices;
     let count = |name| tally.count(name);
     let remarks = vec![
-        format!("{} random rays; {} of the checked ones hit two faces or more", count("drawn"), count("several hits")),
+        format!(
+            "{} random rays; {} of the checked ones hit two faces or more, and with edges once each hits as many as cover it",
+            count("drawn"),
+            count("several hits")
+        ),
         format!(
             "through patches with a thin face, which the claim excludes: {} rays, {} of them without a hit",
             count("thin"),
             count("thin without a hit")
         ),
     ];
-    let covered = format!("{checked} rays: {edges} at edges of two faces, {vertices} at vertices of three to eight");
+    let needles = count("needles");
+    let covered = format!(
+        "{checked} rays: {edges} at edges of two faces, {vertices} at vertices of three to eight; {needles} at needles"
+    );
     let label = "the same rays leak through other implementations";
-    tally.verdict(is_stopped, covered, remarks, (label, LEAKY.map(|(name, _)| name), checked >= ENOUGH))
+    tally.verdict(
+        is_stopped,
+        covered,
+        remarks,
+        (label, [LEAKY[0].0, LEAKY[1].0, LEAKY[2].0, BY_DIRECTION], checked >= ENOUGH),
+    )
 }
 
 /// The datapath's result for a ray and a triangle.
@@ -94,6 +121,21 @@ pub fn datapath(
     }
 }
 
+/// Whether the datapath hits a triangle whose edges may belong to others.
+fn once(ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> bool {
+    let triangles = RayTriangleExtended {
+        rules: Rules::Paper,
+        rounding: Rounding::Unit,
+        edges: EdgeRule::Once,
+        culling: Culling::Back,
+        facing: false,
+        barycentrics: false,
+        range: false,
+    };
+    let input = RayTriangleExtendedInput { ray: *ray, triangle: Triangle::new(a, b, c), t_min: 0.0.into() };
+    triangles.run(Binary32, input, ()).0.triangle_hit.into()
+}
+
 /// An implementation and its name.
 type Named = (&'static str, fn(&Ray<Binary32>, [[f32; 3]; 3]) -> bool);
 
@@ -107,6 +149,20 @@ fn open_edges(ray: &Ray<Binary32>, corners: [[f32; 3]; 3]) -> bool {
     let [a, b, c] = sheared(ray, corners);
     let edge = |p: [f32; 2], q: [f32; 2]| p[0] * q[1] - p[1] * q[0];
     edge(c, b) > 0.0 && edge(a, c) > 0.0 && edge(b, a) > 0.0
+}
+
+/// The count of needles of which not exactly one is hit if every edge function that is 0 after rounding is decided as if
+/// it were 0 exactly.
+const BY_DIRECTION: &str = "zeros decided by direction alone";
+
+fn by_direction(ray: &Ray<Binary32>, corners: [[f32; 3]; 3]) -> bool {
+    let [a, b, c] = sheared(ray, corners);
+    let half_plane = |[x, y]: [f32; 2]| if y == 0.0 { x } else { y }.partial_cmp(&0.0);
+    let has = |end: [f32; 2], start: [f32; 2]| match end[0] * start[1] - end[1] * start[0] {
+        0.0 => half_plane(end) > half_plane(start),
+        edge => edge > 0.0,
+    };
+    has(c, b) && has(a, c) && has(b, a)
 }
 
 /// One product of each edge function is not rounded, so that the ray can be outside of both faces of an edge.
@@ -138,7 +194,7 @@ fn moeller_trumbore(ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Intersect, LEAKY, TARGETS, Tally, datapath, run};
+    use super::{BY_DIRECTION, Intersect, LEAKY, TARGETS, Tally, datapath, once, run};
     use rand::SeedableRng;
     use rand::rngs::ChaCha8Rng;
     use raypath_ops::{Binary32, Ray, Rounding, Rules};
@@ -164,5 +220,8 @@ mod tests {
             let leaked = run_rays(&intersect).failures();
             assert!(leaked > 100, "{name}: {leaked}");
         }
+        let rays = run_rays(&once);
+        let (needles, by_direction) = (rays.count("needles"), rays.count(BY_DIRECTION));
+        assert!(needles > 5_000 && by_direction > 10, "{needles} needles, {by_direction}");
     }
 }

@@ -129,6 +129,7 @@ fn computed(op: &Op, all: &[u32]) -> u32 {
         Op::Subtract(..) => bits(c.subtract(number(0), number(1))),
         Op::Multiply(..) => bits(c.multiply(number(0), number(1))),
         Op::Sum(_) => bits(c.sum(&(0..all.len()).map(number).collect::<Vec<_>>())),
+        Op::Residue(..) => c.residue(number(0), number(1), number(2)),
         Op::Negate(_) => all[0] ^ 1 << 31,
         Op::Narrow(_, to) => bits(c.narrow(number(0), to)),
         Op::NumberOf(_) => (all[0] as f32).to_bits(),

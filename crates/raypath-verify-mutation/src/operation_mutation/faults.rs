@@ -248,6 +248,6 @@ fn operands_of(op: &mut Op) -> Vec<&mut NodeId> {
         Op::Test(_, a) | Op::Relation(a, _) | Op::Flags(a) | Op::Not(a) => vec![a],
         Op::Add(a, b) | Op::Subtract(a, b) | Op::Multiply(a, b) | Op::Compare(a, b) => vec![a, b],
         Op::And(a, b) | Op::Or(a, b) | Op::WordEqual(a, b) | Op::WordLess(a, b) | Op::WordOr(a, b) => vec![a, b],
-        Op::Select(condition, a, b) => vec![condition, a, b],
+        Op::Select(a, b, c) | Op::Residue(a, b, c) => vec![a, b, c],
     }
 }

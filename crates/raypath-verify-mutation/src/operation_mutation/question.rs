@@ -237,9 +237,13 @@ impl Script<'_> {
             }
             Op::Sum(_) => {
                 let function = format!("sum_{}", all.len());
-                self.declare(&function, &" Number".repeat(all.len()));
+                self.declare(&function, &" Number".repeat(all.len()), "Number");
                 self.sum_once(&apply(&function), &all);
                 apply(&function)
+            }
+            Op::Residue(..) => {
+                self.declare("residue", "Number Number Number", &sort);
+                apply("residue")
             }
             Op::Negate(_) => apply("fp.neg"),
             Op::Narrow(_, to) => {
@@ -322,7 +326,7 @@ impl Script<'_> {
         let is_exact = bits == SIGNIFICAND && margin == 0;
         let function =
             if is_exact { "narrow_none".to_string() } else { format!("narrow_{bits}_{direction:?}_{margin}") };
-        self.declare(&function, "Number");
+        self.declare(&function, "Number", "Number");
         function
     }
 
@@ -358,9 +362,9 @@ impl Script<'_> {
         }
     }
 
-    fn declare(&mut self, function: &str, numbers: &str) {
+    fn declare(&mut self, function: &str, numbers: &str, result: &str) {
         if self.declared.insert(function.to_string()) {
-            self.line(&format!("(declare-fun {function} ({numbers}) Number)"));
+            self.line(&format!("(declare-fun {function} ({numbers}) {result})"));
         }
     }
 }
