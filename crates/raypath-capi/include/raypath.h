@@ -1646,10 +1646,35 @@ raypath_status raypath_scene_build(const raypath_unit *unit,
                                    raypath_scene **scene);
 
 /**
+ * Builds a scene of scenes that `unit` reads, and sets `*scene`. Any thread may call it.
+ *
+ * Each of `instance_count` instances places the scene whose number in `scenes` is its element of `members`. In a unit with
+ * `nested-instances` the scenes may have instances themselves. Hits report the number of the instance. The scenes were
+ * built for units with the same nodes, and are not needed afterwards. `reach` is that of `raypath_scene_build`; a scene
+ * with instances must have been built for the reach that it has at its places.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for a scene that does not exist or has other nodes, no instance, a matrix, a word or a
+ * reach out of range, a smaller reach, more than fits into 4 GiB or 64 levels, or a unit without what the scene needs;
+ * `RAYPATH_ERROR_NULL`, `_ALIGNMENT`. Then `*scene` is not changed.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit; the arrays are NULL or have that many elements; those of `scenes` are NULL or scenes;
+ * `scene` is NULL or points to a pointer.
+ */
+raypath_status raypath_scene_group(const raypath_unit *unit,
+                                   const raypath_scene *const *scenes,
+                                   size_t scene_count,
+                                   const uint32_t *members,
+                                   const raypath_unit_instance *instances,
+                                   size_t instance_count,
+                                   float reach,
+                                   raypath_scene **scene);
+
+/**
  * Frees a scene. NULL is ignored.
  *
  * # Safety
- * `scene` is NULL or came from `raypath_scene_build` and was not freed; no other call uses it.
+ * `scene` is NULL or came from `raypath_scene_build` or `_group` and was not freed; no other call uses it.
  */
 void raypath_scene_free(raypath_scene *scene);
 

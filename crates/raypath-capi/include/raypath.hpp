@@ -319,6 +319,20 @@ class Scene {
     return Scene(built);
   }
 
+  /** Builds a scene of scenes, each placed by the instances whose elements of `members` have its number; see
+      raypath_scene_group. */
+  static Expected<Scene> group(const Unit &unit, Span<const Scene *const> scenes, Span<const std::uint32_t> members,
+                               Span<const Instance> instances, float reach = 0.0f) {
+    std::vector<const raypath_scene *> handles;
+    for (std::size_t i = 0; i < scenes.size(); ++i) handles.push_back(scenes.data()[i]->get());
+    raypath_scene *built = nullptr;
+    if (members.size() != instances.size()) return detail::argument("members: expected as many as instances");
+    const raypath_status status = raypath_scene_group(unit.get(), handles.data(), handles.size(), members.data(),
+                                                      instances.data(), instances.size(), reach, &built);
+    if (status < 0) return detail::last_error(status);
+    return Scene(built);
+  }
+
   /** The bytes, the first of which has the address 0. */
   Span<const std::uint8_t> bytes() const noexcept { return {raypath_scene_data(get()), raypath_scene_size(get())}; }
   /** The child word of the root, for `root` of a ray. */

@@ -69,10 +69,57 @@ pub unsafe extern "C" fn raypath_scene_build(
     })
 }
 
+/// Builds a scene of scenes that `unit` reads, and sets `*scene`. Any thread may call it.
+///
+/// Each of `instance_count` instances places the scene whose number in `scenes` is its element of `members`. In a unit with
+/// `nested-instances` the scenes may have instances themselves. Hits report the number of the instance. The scenes were
+/// built for units with the same nodes, and are not needed afterwards. `reach` is that of `raypath_scene_build`; a scene
+/// with instances must have been built for the reach that it has at its places.
+///
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for a scene that does not exist or has other nodes, no instance, a matrix, a word or a
+/// reach out of range, a smaller reach, more than fits into 4 GiB or 64 levels, or a unit without what the scene needs;
+/// `RAYPATH_ERROR_NULL`, `_ALIGNMENT`. Then `*scene` is not changed.
+///
+/// # Safety
+/// `unit` is NULL or an open unit; the arrays are NULL or have that many elements; those of `scenes` are NULL or scenes;
+/// `scene` is NULL or points to a pointer.
+#[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments)] // arrays of C
+pub unsafe extern "C" fn raypath_scene_group(
+    unit: *const Unit,
+    scenes: *const *const Scene,
+    scene_count: usize,
+    members: *const u32,
+    instances: *const SceneInstance,
+    instance_count: usize,
+    reach: f32,
+    scene: *mut *mut Scene,
+) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (unit, scenes, members, instances, scene) = unsafe {
+            (
+                reference("unit", unit)?,
+                array("scenes", scenes, scene_count)?,
+                array("members", members, instance_count)?,
+                array("instances", instances, instance_count)?,
+                reference_mut("scene", scene)?,
+            )
+        };
+        // SAFETY: as above.
+        let member = |&member: &*const Scene| unsafe { reference("scenes", member) }.map(|Scene(scene)| scene);
+        let scenes = scenes.iter().map(member).collect::<Result<Vec<&UnitScene>, _>>()?;
+        let places: Vec<_> = members.iter().copied().zip(instances.iter().copied()).collect();
+        let reach = if reach == 0.0 { None } else { Some(reach) };
+        *scene = Box::into_raw(Box::new(Scene(unit.embedded.group(&scenes, &places, reach)?)));
+        Ok(RAYPATH_OK)
+    })
+}
+
 /// Frees a scene. NULL is ignored.
 ///
 /// # Safety
-/// `scene` is NULL or came from `raypath_scene_build` and was not freed; no other call uses it.
+/// `scene` is NULL or came from `raypath_scene_build` or `_group` and was not freed; no other call uses it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn raypath_scene_free(scene: *mut Scene) {
     // SAFETY: by the contract of this function.

@@ -20,7 +20,7 @@ fn hits_have_the_instances_of_the_functional_model() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let mut count = [0; 3];
     for number in 0..20 {
-        let scene = TwoLevelScene::random(6, number % 4 == 3, &mut random);
+        let scene = TwoLevelScene::random(raypath_traversal::blocks::NodeKind::Wide4, 6, number % 4 == 3, &mut random);
         let mut blocks = scene.blocks;
         let root = blocks.give_geometries(scene.root, unit.parameters().step.features.queries, &mut random);
         let memory = &blocks.0[..];
@@ -76,13 +76,9 @@ fn of(ray: &RayRequest) -> UnitRay {
 }
 
 #[test]
-fn instances_are_refused_among_quantised_nodes() {
+fn parameters_that_do_not_fit_are_refused() {
     for (toml, words) in [
-        (
-            "instances = true\nnode = \"quantised\"",
-            "configuration:2: node: 'quantised': node is quantised, expected wide4",
-        ),
-        ("node = \"quantised\"\ninstances = true", "configuration:2: instances: 'true': node is quantised"),
+        ("nested-instances = true", "configuration:1: nested-instances: 'true': instances is false, expected true"),
         ("node = \"quantised\"\nmemory-width = 1024", "memory width is 1024, expected 128, 256 or 512 with quantised"),
         ("instances = 1", "configuration:1: instances: '1', expected true or false"),
     ] {

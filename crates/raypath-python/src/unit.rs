@@ -152,8 +152,48 @@ impl Unit {
         let inner = abandoned_at_signals(py, move || unit.scene(input).map_err(exception))?;
         let [min, max] = inner.bounds;
         let node = Some(self.inner.parameters().step.node);
-        let within = inner.reach.is_finite().then_some((min, max, inner.reach));
-        Ok(UnitScene { data: inner.bytes, root: inner.root, within, node })
+        Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)), node })
+    }
+
+    /// A scene of scenes of this unit, placed by instances. In a unit with ``nested_instances`` the scenes may have
+    /// instances themselves, in any number of levels.
+    ///
+    /// Args:
+    ///     instances: a list of ``raypath.Instance``, each with its ``scene``. Hits report the position in the list.
+    ///     reach: as in ``scene``. A scene that has instances must have been built for the reach that it has at its
+    ///         places.
+    ///
+    /// Raises:
+    ///     ValueError: what ``scene`` raises; an instance without a scene, a scene of other nodes, or one that was built
+    ///         for a smaller reach.
+    #[pyo3(signature = (instances, *, reach = None))]
+    fn group(&self, py: Python<'_>, instances: &Bound<'_, PyList>, reach: Option<f32>) -> PyResult<UnitScene> {
+        let places = instances_of(instances)?;
+        let (mut scenes, mut members): (Vec<Bound<'_, UnitScene>>, Vec<u32>) = (Vec::new(), Vec::new());
+        for (index, instance) in instances.iter().enumerate() {
+            let scene = instance.getattr("scene")?;
+            let expected = || value_error(format!("instance {index} has the scene {scene}, expected a UnitScene"));
+            let scene = scene.cast::<UnitScene>().map_err(|_| expected())?;
+            scene.get().check(&self.inner)?;
+            let known = scenes.iter().position(|known| known.is(scene));
+            members.push(known.unwrap_or(scenes.len()) as u32);
+            scenes.extend(known.is_none().then(|| scene.clone()));
+        }
+        let own = |scene: &Bound<'_, UnitScene>| {
+            let UnitScene { data, root, within, .. } = scene.get();
+            let expected = "the scene of an instance is bytes from elsewhere, expected one of Unit.scene or Unit.group";
+            let (min, max, reach) = within.ok_or_else(|| value_error(expected))?;
+            Ok(embed::UnitScene { bytes: data.clone(), root: *root, bounds: [min, max], reach })
+        };
+        let scenes = scenes.iter().map(own).collect::<PyResult<Vec<_>>>()?;
+        let places: Vec<_> = members.into_iter().zip(places).collect();
+        let unit = self.inner.clone();
+        let inner = abandoned_at_signals(py, move || {
+            unit.group(&scenes.iter().collect::<Vec<_>>(), &places, reach).map_err(exception)
+        })?;
+        let [min, max] = inner.bounds;
+        let node = Some(self.inner.parameters().step.node);
+        Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)), node })
     }
 
     /// Traces rays by the functional model, without time. Of candidates, triangles are accepted and boxes ignored; see

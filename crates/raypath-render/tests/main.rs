@@ -8,6 +8,7 @@ mod pictures;
 mod quantised;
 mod ray_files;
 mod readers;
+mod refit;
 mod timing;
 mod tree;
 mod unit;

@@ -5,18 +5,20 @@ use crate::mesh::{Bounds, Geometry, TrianglePlace};
 use crate::placement::Placement;
 use raypath_ops::{Aabb, Binary32, Ray};
 use raypath_traversal::blocks::quantised::BoxError;
-use raypath_traversal::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBlock, NodeKind};
+use raypath_traversal::blocks::{Child, LeafTriangle, Node as NodeBlock, NodeKind};
 use raypath_traversal::{LEVELS, Queries, RayRequest, UnitFeatures, ray_flags};
 use thiserror::Error;
 
 /// A scene in memory: the blocks of [`raypath_traversal::blocks`] from address 0 on. The nodes come first, the root at
 /// 0.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Blocks {
     bytes: Vec<u8>,
     nodes: NodeKind,
     root: u32,
     features: UnitFeatures,
+    /// Around instances, with their margins.
+    bounds: Bounds,
 }
 
 /// The reason why a scene has no blocks.
@@ -37,12 +39,6 @@ pub enum BlocksError {
     /// A box has no quantised bounds.
     #[error(transparent)]
     Box(#[from] BoxError),
-    /// Instances need the blocks of wide nodes.
-    #[error("a scene of instances has no {nodes} nodes, expected wide4")]
-    Instances {
-        /// The nodes that were asked for.
-        nodes: NodeKind,
-    },
 }
 
 impl Blocks {
@@ -85,11 +81,7 @@ impl Blocks {
                 // Addresses are multiples of a block and leaves have 1 to 8 triangles, so the word is valid.
                 *word = child.word(kind).unwrap_or(0);
             }
-            let block = NodeBlock { boxes: node.boxes, children: words };
-            match kind {
-                NodeKind::Wide4 => nodes.extend(block.to_bytes()),
-                NodeKind::Quantised => nodes.extend(block.to_quantised_bytes()?),
-            }
+            nodes.extend(node_bytes(&NodeBlock { boxes: node.boxes, children: words }, kind)?);
         }
         nodes.extend(leaves);
         let root = Child::Node { address: 0 }.word(kind).unwrap_or(0);
@@ -98,60 +90,94 @@ impl Blocks {
             geometries if geometries.iter().any(|geometry| geometry.is_boxes) => Queries::Full,
             _ => Queries::Flags,
         };
-        Ok(Self { bytes: nodes, nodes: kind, root, features: UnitFeatures { queries, ..UnitFeatures::OFF } })
+        let features = UnitFeatures { queries, ..UnitFeatures::OFF };
+        Ok(Self { bytes: nodes, nodes: kind, root, features, bounds: Bounds::EMPTY })
     }
 
-    /// The blocks of instances of an object, each with its padded box in the scene.
+    /// The blocks of instances of an object, each with its bounds in the scene and how much larger its box is.
     ///
     /// # Errors
     /// They take more than 4 GiB, or the tree has more than 64 levels.
-    pub fn with_instances(object: &Bvh4, placed: &[(Placement, Bounds, f64)]) -> Result<Self, BlocksError> {
-        let (mut blocks, levels) = (Self::of(object, NodeKind::Wide4)?, object.levels() + 1);
+    pub fn with_instances(
+        object: &Bvh4,
+        placed: &[(Placement, Bounds, f64)],
+        kind: NodeKind,
+    ) -> Result<Self, BlocksError> {
+        let blocks = Self::of(object, kind)?;
+        let object = (blocks.root, object.levels());
+        let placed: Vec<Placed> =
+            placed.iter().map(|&(placement, bounds, pad)| Placed { placement, object, bounds, pad }).collect();
+        blocks.placed(&placed)
+    }
+
+    /// Objects in memory, of which nothing is placed yet.
+    pub(crate) fn of_bytes(bytes: Vec<u8>, nodes: NodeKind) -> Self {
+        let features = UnitFeatures::OFF;
+        Self { bytes, nodes, root: 0, features, bounds: Bounds::EMPTY }
+    }
+
+    /// These objects with instances of them, of which there is at least one.
+    ///
+    /// # Errors
+    /// They take more than 4 GiB, or the tree has more than 64 levels.
+    pub(crate) fn placed(mut self, placed: &[Placed]) -> Result<Self, BlocksError> {
+        let kind = self.nodes;
         // A node for at least two children, so that there are fewer than instances.
-        let bytes = blocks.bytes.len() as u64 + 2 * placed.len() as u64 * u64::from(BLOCK_BYTES);
+        let bytes = self.bytes.len() as u64 + 2 * placed.len() as u64 * u64::from(kind.block_bytes());
         if bytes > u64::from(u32::MAX) {
             return Err(BlocksError::TooLarge { bytes });
         }
-        let object = blocks.root;
         let mut parts: Vec<Part> = Vec::with_capacity(placed.len());
-        for (index, (placement, bounds, pad)) in (0..).zip(placed) {
-            let word = Child::Instance { address: blocks.bytes.len() as u32 }.word(NodeKind::Wide4).unwrap_or(0);
-            let instance = placement.instance(object, index);
+        for (index, Placed { placement, object: (root, levels), bounds, pad }) in (0..).zip(placed) {
+            let word = Child::Instance { address: self.bytes.len() as u32 }.word(kind).unwrap_or(0);
+            let instance = placement.instance(*root, index);
             if (instance.mask, instance.custom_index, instance.shader_offset, instance.flags) != (u8::MAX, 0, 0, 0) {
-                blocks.features.queries = blocks.features.queries.max(Queries::Flags);
+                self.features.queries = self.features.queries.max(Queries::Flags);
             }
-            blocks.bytes.extend(instance.to_bytes());
+            self.bytes.extend(instance.to_bytes(kind));
             let centre = bounds.centre();
-            parts.push(Part { word, centre, aabb: padded(*bounds, *pad), levels });
+            parts.push(Part { word, centre, aabb: padded(*bounds, *pad), levels: levels + 1 });
         }
-        let top = blocks.upper(&mut parts);
+        let top = self.upper(&mut parts)?;
         check_levels(top.levels)?;
-        blocks.root = top.word;
-        blocks.features.instances = true;
-        Ok(blocks)
+        (self.root, self.bounds) = (top.word, bounds_of(&top.aabb));
+        self.features.instances = true;
+        Ok(self)
+    }
+
+    /// Instances are in others, if `are_nested`.
+    pub(crate) fn nest_if(&mut self, are_nested: bool) {
+        self.features.nested |= are_nested;
+    }
+
+    /// The box around its instances, with their margins; empty without instances.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
     }
 
     /// Appends the nodes over parts, of which there is at least one: they are divided along the axis on which their
     /// centres differ the most, twice, into four.
-    fn upper(&mut self, parts: &mut [Part]) -> Part {
+    fn upper(&mut self, parts: &mut [Part]) -> Result<Part, BlocksError> {
         if let [part] = parts {
-            return *part;
+            return Ok(*part);
         }
         let (left, right) = halves(parts);
         let quarters = [left, right].map(|half| if half.len() > 1 { halves(half) } else { (half, &mut [] as &mut _) });
         let mut children: Vec<Part> = Vec::new();
         for (first, second) in quarters {
-            children.extend([first, second].into_iter().filter(|part| !part.is_empty()).map(|part| self.upper(part)));
+            for part in [first, second].into_iter().filter(|part| !part.is_empty()) {
+                children.push(self.upper(part)?);
+            }
         }
         let (mut boxes, mut words) = ([Aabb::new(Bounds::EMPTY.min, Bounds::EMPTY.max); 4], [0; 4]);
         for (place, child) in children.iter().enumerate() {
             (boxes[place], words[place]) = (child.aabb, child.word);
         }
-        let word = Child::Node { address: self.bytes.len() as u32 }.word(NodeKind::Wide4).unwrap_or(0);
-        self.bytes.extend(NodeBlock { boxes, children: words }.to_bytes());
+        let word = Child::Node { address: self.bytes.len() as u32 }.word(self.nodes).unwrap_or(0);
+        self.bytes.extend(node_bytes(&NodeBlock { boxes, children: words }, self.nodes)?);
         let all = children.iter().fold(Bounds::EMPTY, |all, child| all.union(bounds_of(&child.aabb)));
         let levels = 1 + children.iter().map(|child| child.levels).max().unwrap_or(0);
-        Part { word, centre: all.centre(), aabb: Aabb::new(all.min, all.max), levels }
+        Ok(Part { word, centre: all.centre(), aabb: Aabb::new(all.min, all.max), levels })
     }
 
     /// What a unit needs beside the default for this scene.
@@ -194,6 +220,22 @@ impl Blocks {
     pub fn root(&self) -> u32 {
         self.root
     }
+}
+
+fn node_bytes(node: &NodeBlock, kind: NodeKind) -> Result<Vec<u8>, BoxError> {
+    match kind {
+        NodeKind::Wide4 => Ok(node.to_bytes().to_vec()),
+        NodeKind::Quantised => node.to_quantised_bytes().map(|bytes| bytes.to_vec()),
+    }
+}
+
+/// An object at a place: the child word of its root and its levels, its bounds in the scene, and how much larger its box
+/// is.
+pub(crate) struct Placed {
+    pub placement: Placement,
+    pub object: (u32, u32),
+    pub bounds: Bounds,
+    pub pad: f64,
 }
 
 /// A part of the upper level of a scene.

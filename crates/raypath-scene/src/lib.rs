@@ -3,13 +3,17 @@
 
 pub mod blocks;
 pub mod bvh;
+mod group;
 pub mod mesh;
 pub mod placement;
+mod refit;
 mod scene;
 pub mod vector;
 
 pub use blocks::{Blocks, BlocksError};
 pub use bvh::Bvh4;
+pub use group::{Group, Member, MemberPlace, group};
 pub use mesh::{Bounds, Geometry, Mesh, MeshError, TrianglePlace};
 pub use placement::{Placement, PlacementError};
+pub use refit::{RefitError, refit};
 pub use scene::{Scene, SceneError};

@@ -2,13 +2,11 @@
 
 use crate::blocks::{Blocks, BlocksError};
 use crate::bvh::{Bvh4, MeshTooLarge};
+use crate::group::Margins;
 use crate::mesh::{Bounds, Mesh};
 use crate::placement::Placement;
 use raypath_traversal::blocks::NodeKind;
 use thiserror::Error;
-
-/// The default reach in units of the longest side of a scene of instances.
-const DEFAULT_REACH: f32 = 16.0;
 
 /// A mesh, or instances of one, with its bounding volume hierarchy.
 #[derive(Debug, Clone)]
@@ -34,6 +32,24 @@ pub enum SceneError {
     /// No instance.
     #[error("0 instances, expected at least 1")]
     Empty,
+    /// A scene that others are made of was built for a smaller reach than they have.
+    #[error("scene {member} was built for a reach of {built}, expected at least {needed} at its places")]
+    Reach {
+        /// Its number.
+        member: usize,
+        /// The reach for which it was built.
+        built: f32,
+        /// The reach that its places need.
+        needed: f32,
+    },
+    /// A scene that others are made of is none.
+    #[error("scene {number}: {problem}")]
+    Member {
+        /// Its number.
+        number: usize,
+        /// The problem.
+        problem: String,
+    },
     /// An instance that is too far away or too large.
     #[error("instance {0} has a coordinate beyond 2^40 in the scene or in its mesh, expected a smaller one")]
     Far(usize),
@@ -75,7 +91,9 @@ impl Scene {
         placements: &[Placement],
         origins: impl IntoIterator<Item = [f32; 3]>,
     ) -> Result<Self, SceneError> {
-        let reach = reach_of(bounds_of_instances(mesh.bounds(), placements), origins);
+        let places = everywhere(&mesh, placements);
+        let Margins { bounds, reach, .. } = Margins::of(&places, None)?;
+        let reach = origins.into_iter().map(|origin| bounds.reach_from(origin)).fold(reach, f32::max);
         Self::of_instances_with_reach(mesh, placements, reach)
     }
 
@@ -86,28 +104,11 @@ impl Scene {
     /// # Errors
     /// No instance; a scene that is too large; an instance that is too far away.
     pub fn of_instances_with_reach(mesh: Mesh, placements: &[Placement], reach: f32) -> Result<Self, SceneError> {
-        if placements.is_empty() {
-            return Err(SceneError::Empty);
-        }
-        let own = mesh.bounds();
-        let all: Vec<Bounds> = placements.iter().map(|placement| placement.bounds(own)).collect();
-        let bounds = bounds_of_instances(own, placements);
-        let reach = reach.max(bounds.longest_side());
-        let coordinate = reach + bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f32, x| most.max(x.abs()));
-        let in_object = |placement: &Placement| placement.object_reach(reach);
-        // A coordinate that is not a number is far.
-        let is_near = |length: f32| length <= Mesh::MAX_COORDINATE;
-        let is_far = |placement: &Placement| !(is_near(in_object(placement)) && is_near(coordinate));
-        if let Some(instance) = placements.iter().position(is_far) {
-            return Err(SceneError::Far(instance));
-        }
+        let Margins { bounds, reach, pads } = Margins::of(&everywhere(&mesh, placements), Some(reach))?;
         let bvh = Bvh4::build(&mesh)?;
-        let placed: Vec<_> =
-            placements.iter().map(|placement| (*placement, placement.pad(reach, coordinate))).collect();
-        let parts: Vec<_> =
-            placed.iter().zip(all).map(|((placement, pad), bounds)| (*placement, bounds, *pad)).collect();
-        let blocks = Some(Blocks::with_instances(&bvh, &parts)?);
-        Ok(Self { mesh, bounds, bvh, blocks, placed, reach })
+        let placed = placements.iter().copied().zip(pads).collect();
+        let scene = Self { mesh, bounds, bvh, blocks: None, placed, reach };
+        Ok(scene.through_unit()?)
     }
 
     /// The scene with its blocks in memory, so that rays are traced through the functional model
@@ -122,13 +123,18 @@ impl Scene {
     /// The same with these nodes.
     ///
     /// # Errors
-    /// Those of [`Blocks::of`]; instances among quantised nodes.
+    /// Those of [`Blocks::of`].
     pub fn through_unit_of(mut self, nodes: NodeKind) -> Result<Self, BlocksError> {
-        match &self.blocks {
-            Some(blocks) if blocks.nodes() != nodes => return Err(BlocksError::Instances { nodes }),
-            Some(_) => {}
-            None => self.blocks = Some(Blocks::of(&self.bvh, nodes)?),
+        if self.blocks.as_ref().is_some_and(|blocks| blocks.nodes() == nodes) {
+            return Ok(self);
         }
+        let own = self.mesh.bounds();
+        let placed: Vec<_> =
+            self.placed.iter().map(|(placement, pad)| (*placement, placement.bounds(own), *pad)).collect();
+        self.blocks = Some(match placed.as_slice() {
+            [] => Blocks::of(&self.bvh, nodes)?,
+            placed => Blocks::with_instances(&self.bvh, placed, nodes)?,
+        });
         Ok(self)
     }
 
@@ -174,13 +180,8 @@ impl Scene {
     }
 }
 
-/// The reach of a scene with these bounds for ray origins at `origins` and near it.
-fn reach_of(bounds: Bounds, origins: impl IntoIterator<Item = [f32; 3]>) -> f32 {
-    let near = DEFAULT_REACH * bounds.longest_side();
-    origins.into_iter().map(|origin| bounds.reach_from(origin)).fold(near, f32::max)
-}
-
-/// The box around instances of a mesh with these bounds.
-fn bounds_of_instances(own: Bounds, placements: &[Placement]) -> Bounds {
-    placements.iter().fold(Bounds::EMPTY, |all, placement| all.union(placement.bounds(own)))
+/// The mesh at each place.
+fn everywhere(mesh: &Mesh, placements: &[Placement]) -> Vec<(Placement, Bounds)> {
+    let own = mesh.bounds();
+    placements.iter().map(|placement| (*placement, own)).collect()
 }

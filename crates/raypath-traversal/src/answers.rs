@@ -1,6 +1,6 @@
 //! What jobs and the memory answer, in native binary32.
 
-use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind, geometry};
+use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind, child_words, geometry};
 use crate::candidate::Verdict;
 use crate::fold::{After, HitLimits, fold};
 use crate::instance::{Instance, Row, Transform, TransformInput};
@@ -72,9 +72,9 @@ impl Answers {
     }
 
     /// The constants of a ray in the space of an instance. The range of the ray was tested before.
-    pub fn instance(&self, outside: &ReadyRay, block: &[u8]) -> ReadyRay {
+    pub fn instance(&self, nodes: NodeKind, outside: &ReadyRay, block: &[u8]) -> ReadyRay {
         // A block that is shorter than the memory promises is none.
-        let Some(Instance { to_object, .. }) = block.first_chunk().map(Instance::of) else {
+        let Some(Instance { to_object, .. }) = Instance::of(block, nodes) else {
             return ReadyRay { is_refused: true, ..*outside };
         };
         let transformed = |point: Vec3<Binary32>, is_moved: bool| {
@@ -91,10 +91,9 @@ impl Answers {
     }
 
     /// A ray enters an instance with these constants, or fails to.
-    pub fn enter(ready: &ReadyRay, block: &[u8]) -> Answer<Binary32> {
-        let Some(Node { children, .. }) = block.first_chunk().map(Node::of) else { return Self::failure() };
+    pub fn enter(nodes: NodeKind, ready: &ReadyRay, block: &[u8]) -> Answer<Binary32> {
         let kind = if ready.is_refused { answer::CANNOT_ENTER } else { answer::ENTER };
-        Answer { child: children.map(Word::truncate), ..nothing(kind) }
+        Answer { child: child_words(block, nodes).map(Word::truncate), ..nothing(kind) }
     }
 
     /// A ray begins, or is refused.

@@ -79,7 +79,7 @@ pub enum Child {
         /// Its address.
         address: u32,
     },
-    /// An instance, kind 33, in a scene of wide nodes: see [`Instance`](crate::Instance).
+    /// An instance, kind 33: see [`Instance`](crate::Instance).
     Instance {
         /// Its address.
         address: u32,
@@ -124,8 +124,7 @@ pub struct Node {
 /// The error of a child word that is not valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "child word {word:#010x} has no valid kind, expected 0, 1 to 17, 25{} in its low {} bits",
-    if nodes.has_instances() { ", 32 or 33" } else { " or 32" },
+    "child word {word:#010x} has no valid kind, expected 0, 1 to 17, 25, 32 or 33 in its low {} bits",
     nodes.offset_bits()
 )]
 pub struct InvalidChild {
@@ -139,8 +138,7 @@ impl Child {
     /// The child word in a scene with these nodes.
     ///
     /// # Errors
-    /// The address is no multiple of a block, a leaf has no triangle or more than 8, or an instance is among quantised
-    /// nodes.
+    /// The address is no multiple of a block, or a leaf has no triangle or more than 8.
     pub fn word(self, nodes: NodeKind) -> Result<u32, InvalidChild> {
         let word = match self {
             Self::None => 0,
@@ -162,7 +160,7 @@ impl Child {
         match word & inside {
             0 if address == 0 => Ok(Self::None),
             NODE_KIND => Ok(Self::Node { address }),
-            INSTANCE_KIND if nodes.has_instances() => Ok(Self::Instance { address }),
+            INSTANCE_KIND => Ok(Self::Instance { address }),
             kind if BOX_KINDS.contains(&kind) => Ok(Self::Box { address, is_opaque: kind == BOX_KINDS[0] }),
             kind @ 1..=LAST_LEAF => {
                 Ok(Self::Leaf { address, count: (kind - 1) % MAX_LEAF + 1, is_opaque: kind <= MAX_LEAF })
@@ -175,20 +173,19 @@ impl Child {
 impl Node {
     /// The bytes of the wide node's block.
     pub fn to_bytes(&self) -> [u8; BLOCK_BYTES as usize] {
-        wide_block(self.boxes.iter().flat_map(bounds), self.children)
+        let mut block = [0; BLOCK_BYTES as usize];
+        let words = self.boxes.iter().flat_map(bounds).map(f32::to_bits).chain(self.children);
+        block.as_chunks_mut().0.iter_mut().zip(words).for_each(|(bytes, word)| *bytes = word.to_le_bytes());
+        block
     }
 
     /// The wide node in a block.
     #[inline(always)]
     pub fn of(block: &[u8; BLOCK_BYTES as usize]) -> Self {
-        const CHILD_WORD: usize = NodeKind::Wide4.child_word();
         let number = |index: usize| f32::from_bits(word(block, index)).into();
         let slab = |index: usize| Slab { min: number(index), max: number(index + 3) };
         let aabb = |index: usize| Aabb { x: slab(index), y: slab(index + 1), z: slab(index + 2) };
-        Self {
-            boxes: array_of!(child => aabb(BOX_WORDS * child)),
-            children: array_of!(child => word(block, CHILD_WORD + child)),
-        }
+        Self { boxes: array_of!(child => aabb(BOX_WORDS * child)), children: child_words(block, NodeKind::Wide4) }
     }
 }
 
@@ -200,14 +197,27 @@ impl LeafTriangle {
         for triangles in leaf.chunks(nodes.triangles_per_block() as usize) {
             let mut words = vec![0; nodes.block_bytes() as usize / 4];
             words[nodes.geometry_word()] = geometry;
-            for (place, LeafTriangle { triangle: Triangle { a, b, c }, index }) in triangles.iter().enumerate() {
-                let numbers = [a, b, c].into_iter().flat_map(|vertex| <[f32; 3]>::from(*vertex));
-                words[VERTEX_WORDS * place..].iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
+            for (place, LeafTriangle { index, .. }) in triangles.iter().enumerate() {
                 words[nodes.index_word() + place] = *index;
             }
+            let block = blocks.len();
             blocks.extend(words.into_iter().flat_map(u32::to_le_bytes));
+            for (place, LeafTriangle { triangle: Triangle { a, b, c }, .. }) in triangles.iter().enumerate() {
+                Self::put_vertices(&mut blocks[block..], place, [a, b, c].map(|vertex| (*vertex).into()));
+            }
         }
         blocks
+    }
+
+    /// Puts the vertices of a triangle into a leaf's block, at its place.
+    pub fn put_vertices(block: &mut [u8], place: usize, corners: [[f32; 3]; 3]) {
+        let words = block.as_chunks_mut().0.iter_mut().skip(VERTEX_WORDS * place);
+        words.zip(corners.as_flattened()).for_each(|(word, x)| *word = x.to_le_bytes());
+    }
+
+    /// The index of the geometry of a leaf's block, in a scene with these nodes.
+    pub fn geometry(block: &[u8], nodes: NodeKind) -> u32 {
+        geometry(block, nodes)
     }
 
     /// A triangle of a leaf's block, by its place, in a scene with these nodes.
@@ -221,6 +231,12 @@ impl LeafTriangle {
     }
 }
 
+/// The child words of a node's block, or the words of an instance's at their places.
+#[inline]
+pub(crate) fn child_words(block: &[u8], nodes: NodeKind) -> [u32; 4] {
+    array_of!(i => word(block, nodes.child_word() + i))
+}
+
 /// The index of the geometry of a leaf's block.
 pub(crate) fn geometry(block: &[u8], nodes: NodeKind) -> u32 {
     word(block, nodes.geometry_word())
@@ -230,18 +246,6 @@ pub(crate) fn geometry(block: &[u8], nodes: NodeKind) -> u32 {
 fn bounds(aabb: &Aabb<Binary32>) -> [f32; BOX_WORDS] {
     let Aabb { x, y, z } = *aabb;
     [x.min.into(), y.min.into(), z.min.into(), x.max.into(), y.max.into(), z.max.into()]
-}
-
-/// A block of 128 bytes with these numbers, then, where a wide node has its child words, these words.
-pub(crate) fn wide_block(
-    numbers: impl IntoIterator<Item = f32>,
-    words: impl IntoIterator<Item = u32>,
-) -> [u8; BLOCK_BYTES as usize] {
-    let mut block = [0; BLOCK_BYTES as usize];
-    let (front, back) = block.as_chunks_mut().0.split_at_mut(NodeKind::Wide4.child_word());
-    front.iter_mut().zip(numbers).for_each(|(word, number)| *word = number.to_le_bytes());
-    back.iter_mut().zip(words).for_each(|(bytes, word)| *bytes = word.to_le_bytes());
-    block
 }
 
 /// A word of a block; 0 beyond its end.

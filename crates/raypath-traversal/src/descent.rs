@@ -433,12 +433,12 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     #[inline(always)]
     fn enter(&mut self, address: u32) -> Result<Option<u32>, u32> {
         let block = self.fetch(address, 1, 0)?;
-        let instance = Instance::of(block.first_chunk().ok_or(status::MEMORY)?);
+        let instance = Instance::of(block, self.parameters.node).ok_or(status::MEMORY)?;
         let is_masked = self.parameters.features.has_flags() && instance.mask & self.ray.cull_mask == 0;
         if is_masked || instance.root == 0 {
             return Ok(None);
         }
-        let inside = self.answers.instance(&self.here, block);
+        let inside = self.answers.instance(self.parameters.node, &self.here, block);
         if inside.is_refused {
             return Err(status::SCENE);
         }

@@ -4,7 +4,7 @@
 //!
 //! | words of an instance's block | contents |
 //! | --- | --- |
-//! | 4 · i to 4 · i + 3 | row i (0 to 2) of the matrix from the scene to the object: x, y, z and t, in binary32 |
+//! | those that are no child words of a node, in order | the rows x, y, z of the matrix from the scene to the object, each as x, y, z and t, in binary32 |
 //! | where a node has child word 0 | the child word of the object's root: a node or a leaf |
 //! | where a node has child word 1 | the index of the instance, which its hits report; all ones are no index |
 //! | where a node has child word 2 | bits 23 to 0: the custom index; bits 31 to 24: the mask |
@@ -14,7 +14,7 @@
 //! The last two words are read with [`Queries::Flags`](crate::Queries::Flags) alone. They are those of Vulkan's
 //! `VkAccelerationStructureInstanceKHR`.
 
-use crate::blocks::{BLOCK_BYTES, NodeKind, wide_block, word};
+use crate::blocks::{NodeKind, child_words, word};
 use raypath_ops::{Circuit, Num, Operation, Vec3, bundle};
 
 /// The kind of a child word that refers to an instance.
@@ -24,13 +24,10 @@ pub const INSTANCE_JOBS: u32 = 2;
 /// The opcode of [`Transform`] in the unit's datapath.
 pub const TRANSFORM_OPCODE: u64 = 2;
 
-/// The word of an instance's block with the child word of its root: the first child word of a wide node.
-const CHILD_WORD: usize = NodeKind::Wide4.child_word();
-
 /// The bits of custom indices and offsets.
 const LOW: u32 = (1 << 24) - 1;
 
-/// An instance, in a block of 128 bytes.
+/// An instance, in a block of a node's size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
     /// The rows x, y, z of the matrix from the scene to the object; the last number of each is the translation.
@@ -78,25 +75,34 @@ impl Instance {
         is_finite.then_some(Self { to_object, root, index, ..Self::default() })
     }
 
-    /// The bytes of the instance's block.
-    pub fn to_bytes(&self) -> [u8; BLOCK_BYTES as usize] {
+    /// The bytes of the instance's block, in a scene with these nodes.
+    pub fn to_bytes(&self, nodes: NodeKind) -> Vec<u8> {
         let with = |high: u8, low: u32| u32::from(high) << 24 | low & LOW;
-        let words = [with(self.mask, self.custom_index), with(self.flags, self.shader_offset)];
-        wide_block(self.to_object.as_flattened().iter().copied(), [self.root, self.index, words[0], words[1]])
+        let mut words = vec![0; nodes.block_bytes() as usize / 4];
+        for (number, value) in self.to_object.as_flattened().iter().enumerate() {
+            words[nodes.matrix_word(number)] = value.to_bits();
+        }
+        let own = [self.root, self.index, with(self.mask, self.custom_index), with(self.flags, self.shader_offset)];
+        words[nodes.child_word()..][..own.len()].copy_from_slice(&own);
+        words.into_iter().flat_map(u32::to_le_bytes).collect()
     }
 
-    /// The instance in a block.
-    pub fn of(block: &[u8; BLOCK_BYTES as usize]) -> Self {
-        let number = |index: usize| f32::from_bits(word(block, index));
-        Self {
-            to_object: std::array::from_fn(|row| std::array::from_fn(|column| number(4 * row + column))),
-            root: word(block, CHILD_WORD),
-            index: word(block, CHILD_WORD + 1),
-            custom_index: word(block, CHILD_WORD + 2) & LOW,
-            mask: (word(block, CHILD_WORD + 2) >> 24) as u8,
-            shader_offset: word(block, CHILD_WORD + 3) & LOW,
-            flags: (word(block, CHILD_WORD + 3) >> 24) as u8,
+    /// The instance in a block of a scene with these nodes; `None` if the block is too short.
+    pub fn of(block: &[u8], nodes: NodeKind) -> Option<Self> {
+        if block.len() < nodes.block_bytes() as usize {
+            return None;
         }
+        let number = |number: usize| f32::from_bits(word(block, nodes.matrix_word(number)));
+        let [root, index, custom, shader] = child_words(block, nodes);
+        Some(Self {
+            to_object: std::array::from_fn(|row| std::array::from_fn(|column| number(4 * row + column))),
+            root,
+            index,
+            custom_index: custom & LOW,
+            mask: (custom >> 24) as u8,
+            shader_offset: shader & LOW,
+            flags: (shader >> 24) as u8,
+        })
     }
 }
 

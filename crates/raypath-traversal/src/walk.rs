@@ -112,8 +112,8 @@ impl Walk {
         // Each kind of answer has a copy of the step, from which the compiler removes what other answers need.
         match memory.block(block.address, parameters.node.block_bytes()) {
             Ok(bytes) if block.is_instance => {
-                self.inside = answers.instance(ready, bytes);
-                self.advance(parameters, Answers::enter(&self.inside, bytes))
+                self.inside = answers.instance(parameters.node, ready, bytes);
+                self.advance(parameters, Answers::enter(parameters.node, &self.inside, bytes))
             }
             Ok(bytes) if block.count == 0 => {
                 self.advance(parameters, answers.node(parameters.node, ready, self.state.extent, bytes))

@@ -45,7 +45,7 @@ fn every_ray_ends_within_the_bound() {
         let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
         let mut random = ChaCha8Rng::seed_from_u64(number as u64);
         let (scene, root) = if instances {
-            let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(40, false, &mut random);
+            let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(step.node, 40, false, &mut random);
             (blocks, root)
         } else {
             BlockScene::random(random.random_range(10..200), &mut random)

@@ -19,7 +19,7 @@ fn rays_take_the_way_of_the_steps() {
         let node = NodeKind::ALL[random.random_range(0..2)];
         let (scene, root, features) = match random.random_range(0..6) {
             0 => {
-                let scene = TwoLevelScene::random(20, true, &mut random);
+                let scene = TwoLevelScene::random(node, 20, true, &mut random);
                 (scene.blocks, scene.root, UnitFeatures { nested: random.random(), ..INSTANCES })
             }
             1..=3 => {

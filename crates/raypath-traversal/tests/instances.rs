@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Operation, Rules, Triangle};
 use raypath_rtl::Config;
-use raypath_traversal::blocks::LeafTriangle;
+use raypath_traversal::blocks::{LeafTriangle, NodeKind};
 use raypath_traversal::state::status;
 use raypath_traversal::traffic::{BlockScene as Scene, TwoLevelScene, never, random_ray};
 use raypath_traversal::{
@@ -21,8 +21,9 @@ const INSTANCES: UnitFeatures = UnitFeatures { instances: true, ..UnitFeatures::
 const IDENTITY: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 fn trace(scene: &Scene, stack: u32, ray: &RayRequest) -> Reply {
-    Unit::new(Rules::Paper, StepParameters { stack, features: INSTANCES, ..StepParameters::default() })
-        .trace(&scene.0[..], ray)
+    let Scene(bytes, node) = scene;
+    let step = StepParameters { stack, node: *node, features: INSTANCES, ..StepParameters::default() };
+    Unit::new(Rules::Paper, step).trace(&bytes[..], ray)
 }
 
 fn everywhere() -> Aabb<Binary32> {
@@ -269,7 +270,7 @@ fn hits_are_those_of_every_triangle_in_binary64() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let (mut certainly, mut inside, mut rays) = (0, 0, 0);
     for number in 0..60 {
-        let scene = TwoLevelScene::random(1 + number % 12, false, &mut random);
+        let scene = TwoLevelScene::random(NodeKind::ALL[number as usize % 2], 1 + number % 12, false, &mut random);
         for _ in 0..200 {
             let ray = random_ray(scene.root, &mut random);
             let ray = RayRequest { flags: [0, BACK, FRONT][random.random_range(0..3)], ..ray };
@@ -306,25 +307,30 @@ fn hits_are_those_of_every_triangle_in_binary64() {
 /// them.
 #[test]
 fn an_instance_takes_as_many_cycles_as_documented() {
-    let mut scene = Scene::default();
-    let object = scene.leaf(&[at(3.0, 0)]);
-    let root = scene.instance(&Instance { root: object, ..Instance::default() });
-    let step = StepParameters { features: INSTANCES, ..StepParameters::default() };
-    let parameters = UnitParameters { memory_width: 1024, step, ..UnitParameters::default() };
-    let mut unit = UnitModel::new(&Shape::default(), parameters);
-    let (mut requested, mut waiting) = (Vec::new(), None);
-    for cycle in 0..200 {
-        // A block arrives in the cycle after its request.
-        let beat = waiting.take().map(|BlockRequest { address, tag }| {
-            let beat = &scene.0[address as usize..][..128];
-            Response { tag, is_error: false, beat }
-        });
-        waiting = unit.outputs().request;
-        requested.extend(waiting.map(|_| cycle));
-        let ray = (cycle == 0).then(|| (0, along_z(root)));
-        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat, ..UnitInputs::default() });
+    for (node, documented) in [(NodeKind::Wide4, 39), (NodeKind::Quantised, 41)] {
+        let mut scene = Scene(Vec::new(), node);
+        let object = scene.leaf(&[at(3.0, 0)]);
+        let root = scene.instance(&Instance { root: object, ..Instance::default() });
+        let step = StepParameters { node, features: INSTANCES, ..StepParameters::default() };
+        let bytes = node.block_bytes();
+        let parameters = UnitParameters { memory_width: 8 * bytes, step, ..UnitParameters::default() };
+        let mut unit = UnitModel::new(&Shape::default(), parameters);
+        let (mut requested, mut waiting) = (Vec::new(), None);
+        for cycle in 0..200 {
+            // A block arrives in the cycle after its request.
+            let beat = waiting.take().map(|BlockRequest { address, tag }| {
+                let beat = &scene.0[address as usize..][..bytes as usize];
+                Response { tag, is_error: false, beat }
+            });
+            waiting = unit.outputs().request;
+            requested.extend(waiting.map(|_| cycle));
+            let ray = (cycle == 0).then(|| (0, along_z(root)));
+            let inputs =
+                UnitInputs { ray, hit_ready: true, request_ready: true, response: beat, ..UnitInputs::default() };
+            unit.cycle(&inputs);
+        }
+        assert_eq!(requested[1] - requested[0] - 1, documented, "{node}");
     }
-    assert_eq!(requested[1] - requested[0] - 1, 39);
 }
 
 /// The operation against its definition.

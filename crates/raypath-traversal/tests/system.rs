@@ -83,7 +83,7 @@ fn simulations_equal_the_unit_at_its_ports() {
         (200, 64, 512, 1000, wide, none),
         (100, 8, 1024, 57, wide, none),
         (100, 16, 256, 40, quantised, none),
-        (100, 16, 512, 40, wide, UnitFeatures { instances: true, ..none }),
+        (100, 16, 512, 40, quantised, UnitFeatures { instances: true, ..none }),
         (
             100,
             16,
@@ -101,7 +101,7 @@ fn simulations_equal_the_unit_at_its_ports() {
         (100, 16, 128, 40, quantised, UnitFeatures { barycentrics: true, ..none }),
     ] {
         let (mut blocks, root) = if features.instances {
-            let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(20, false, &mut random);
+            let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(node, 20, false, &mut random);
             (blocks, root)
         } else {
             BlockScene::random_of(node, 200, &mut random)

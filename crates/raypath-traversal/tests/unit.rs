@@ -30,7 +30,7 @@ const BLOCKED: Behaviour = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 
 fn setting(step: StepParameters, count: usize, seed: u64) -> (BlockScene, Vec<RayRequest>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut scene, mut root) = if step.features.instances {
-        let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(20, true, &mut random);
+        let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(step.node, 20, true, &mut random);
         (blocks, root)
     } else {
         BlockScene::random_of(step.node, 250, &mut random)
@@ -58,8 +58,12 @@ fn the_model_equals_the_netlist_in_every_cycle() {
         (1, (8, 8, Wide4, NOTHING, 128, 3, 1), Control::Skid),
         (2, (12, 2, Wide4, NOTHING, 512, 64, 11), Control::Credit),
         (3, (64, 8, Wide4, WEIGHTS, 1024, 16, 27), Control::Skid),
-        (4, (9, 8, Quantised, UnitFeatures { barycentrics: true, ..FLAGS }, 128, 16, 4), Control::Credit),
-        (5, (64, 4, Quantised, UnitFeatures { queries: Queries::Full, ..NOTHING }, 512, 16, 27), Control::Skid),
+        (
+            4,
+            (9, 8, Quantised, UnitFeatures { barycentrics: true, instances: true, ..FLAGS }, 128, 16, 4),
+            Control::Credit,
+        ),
+        (5, (64, 4, Quantised, UnitFeatures { barycentrics: false, ..EVERYTHING }, 512, 16, 27), Control::Skid),
         (
             6,
             (8, 2, Wide4, UnitFeatures { queries: Queries::None, nested: false, ..EVERYTHING }, 128, 16, 1),

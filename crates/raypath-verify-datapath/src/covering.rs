@@ -166,7 +166,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     /// The parameters that [`Config::check`] reads.
-    const LIMITED: [&str; 10] = [
+    const LIMITED: [&str; 11] = [
         "rules",
         "box-bits",
         "format",
@@ -175,6 +175,7 @@ mod tests {
         "unit-latency",
         "clock-gating",
         "edges",
+        "conservative",
         "quantised-boxes",
         "exception-flags",
     ];

@@ -75,7 +75,7 @@ const UNITS: [Setting; 8] = [
     unit(Control::Skid, [64, 16, 1024, 7, 5]),
     with(unit(Control::Skid, [32, 32, 512, 16, 27]), NodeKind::Wide4, WEIGHTS),
     unit(Control::Credit, [9, 2, 128, 4, 9]),
-    with(unit(Control::Skid, [40, 2, 512, 16, 2]), NodeKind::Quantised, WEIGHTS),
+    with(unit(Control::Skid, [40, 2, 512, 16, 2]), NodeKind::Quantised, UnitFeatures { instances: true, ..WEIGHTS }),
     with(
         unit(Control::Skid, [12, 2, 512, 5, 3]),
         NodeKind::Wide4,
@@ -128,7 +128,8 @@ impl Episode {
         let is_odd = has_instances && random.random();
         let ((scene, root), count) = match [1, 8, 40, 300].get(size) {
             _ if has_instances => {
-                let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(1 + 4 * size as u32, is_odd, random);
+                let TwoLevelScene { blocks, root, .. } =
+                    TwoLevelScene::random(node, 1 + 4 * size as u32, is_odd, random);
                 ((blocks, root), RAYS)
             }
             Some(&triangles) => (BlockScene::random_of(node, triangles, random), RAYS),

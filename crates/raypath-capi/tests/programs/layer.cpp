@@ -113,6 +113,16 @@ static void traversal() {
   CHECK(placed && placed->reach() == 100.0f);
   again[0].root = placed->root();
   CHECK(two_levels->trace(placed->bytes(), again, found) && found[0].t == 4.0f && found[0].instance == 0);
+  const raypath::Scene *const members[] = {&*placed};
+  const std::uint32_t member[] = {0};
+  CHECK(raypath::Scene::group(*two_levels, members, member, place).error().status == RAYPATH_ERROR_ARGUMENT);
+  const auto nested = raypath::Unit::open("instances = true\nnested-instances = true");
+  const auto far_reaching = raypath::Scene::build(*nested, vertices, triangles, place, 1000.0f);
+  const raypath::Scene *const deep[] = {&*far_reaching};
+  const auto group = raypath::Scene::group(*nested, deep, member, place);
+  CHECK(nested && group);
+  again[0].root = group->root();
+  CHECK(nested->trace(group->bytes(), again, found) && found[0].status == RAYPATH_UNIT_HIT && found[0].t == 6.5f);
 
   // With queries: masks, indices, and geometries that are opaque or not.
   const raypath::Scene::Geometry geometries[] = {{1, 0, 1}};

@@ -465,8 +465,8 @@ static void instances(void) {
   static raypath_unit_hit found[RAYS], expected[RAYS];
   raypath_unit *unit = NULL;
   raypath_unit_parameter_values values;
-  CHECK_FAILS(raypath_unit_open("instances = true\nnode = \"quantised\"", &unit), RAYPATH_ERROR_CONFIGURATION,
-              "expected wide4, which instances need");
+  CHECK_FAILS(raypath_unit_open("nested-instances = true", &unit), RAYPATH_ERROR_CONFIGURATION,
+              "expected true, which nested instances need");
   CHECK(raypath_unit_open("barycentrics = true\ninstances = true", &unit) == RAYPATH_OK);
   CHECK(raypath_unit_parameters(unit, &values) == RAYPATH_OK && values.instances == 1 && values.block_bytes == 128);
 

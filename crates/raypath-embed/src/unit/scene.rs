@@ -2,8 +2,8 @@
 
 use super::Unit;
 use crate::Error;
-use raypath_scene::{Bounds, Geometry, Mesh, Placement, Scene, SceneError, TrianglePlace};
-use raypath_traversal::{Instance, Queries, instance_flags};
+use raypath_scene::{Bounds, Geometry, Group, Member, Mesh, Placement, Scene, SceneError, TrianglePlace, group};
+use raypath_traversal::{Instance, Queries, StepParameters, instance_flags};
 use std::collections::HashSet;
 
 /// A scene in memory, as a unit reads it.
@@ -13,7 +13,7 @@ pub struct UnitScene {
     pub bytes: Box<[u8]>,
     /// The child word of the root, for [`UnitRay::root`](crate::UnitRay::root).
     pub root: u32,
-    /// The corners of the box around the scene.
+    /// The corners of the box around the scene, with the margins of instances.
     pub bounds: [[f32; 3]; 2],
     /// The greatest distance, along any axis, between a ray's origin and a vertex up to which no hit is lost: infinite
     /// without instances.
@@ -196,8 +196,58 @@ impl Unit {
             };
             return Err(error(&format!("{what}: the unit has queries {has}, expected {needs}")));
         }
-        let (bytes, root) = scene.blocks().map_or((&[][..], 0), |blocks| (blocks.bytes(), blocks.root()));
-        let Bounds { min, max } = scene.bounds();
+        let (bytes, root, around) = scene
+            .blocks()
+            .map_or((&[][..], 0, Bounds::EMPTY), |blocks| (blocks.bytes(), blocks.root(), blocks.bounds()));
+        let Bounds { min, max } = if scene.instances() == 0 { scene.bounds() } else { around };
         Ok(UnitScene { bytes: bytes.into(), root, bounds: [min, max], reach: scene.reach() })
+    }
+
+    /// Builds a scene of scenes that this unit reads: each place names one of them by its number. In a unit with nested
+    /// instances they may have instances themselves. The index of an instance is its position among the places.
+    ///
+    /// # Errors
+    /// A scene that does not exist, or is none of this unit's; a matrix, a word of an instance or a reach out of range; a
+    /// scene that was built for a smaller reach than its places need; no place, or one that is too far away; a unit
+    /// without instances, nested instances or queries that the scene needs.
+    pub fn group(
+        &self,
+        scenes: &[&UnitScene],
+        places: &[(u32, SceneInstance)],
+        reach: Option<f32>,
+    ) -> Result<UnitScene, Error> {
+        let error = |problem: &dyn ToString| Error::Argument(problem.to_string());
+        Scene::check_reach(reach).map_err(|problem| error(&problem))?;
+        let StepParameters { node, features, .. } = self.parameters().step;
+        let members: Vec<Member<'_>> = scenes
+            .iter()
+            .map(|UnitScene { bytes, root, bounds: [min, max], reach }| {
+                let bounds = Bounds { min: *min, max: *max };
+                Member { bytes, root: *root, bounds, reach: *reach }
+            })
+            .collect();
+        let placed = |(index, (scene, instance)): (usize, &(u32, SceneInstance))| {
+            let problem = |problem: String| error(&format!("instance {index}: {problem}"));
+            let known = (*scene as usize) < members.len();
+            let expected = || problem(format!("scene {scene}, expected less than {}", members.len()));
+            let placement = instance.placed().map_err(problem)?;
+            if known { Ok((*scene as usize, placement)) } else { Err(expected()) }
+        };
+        let places = places.iter().enumerate().map(placed).collect::<Result<Vec<_>, Error>>()?;
+        let Group { blocks, bounds: Bounds { min, max }, reach } =
+            group(&members, &places, reach, node).map_err(|problem| error(&problem))?;
+        let needs = blocks.features();
+        for (is_missing, what) in [
+            (!features.instances, "instances"),
+            (needs.nested && !features.nested, "nested instances"),
+            (needs.queries > features.queries, "queries"),
+        ] {
+            if is_missing {
+                return Err(error(&format!(
+                    "the unit has no {what}, expected a unit with {what}, which the scene needs"
+                )));
+            }
+        }
+        Ok(UnitScene { bytes: blocks.bytes().into(), root: blocks.root(), bounds: [min, max], reach })
     }
 }

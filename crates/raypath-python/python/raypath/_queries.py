@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
-    from raypath._raypath import UnitHits
+    from raypath._raypath import UnitHits, UnitScene
 
 # As the structure ``raypath_unit_verdict`` of C.
 _VERDICT = np.dtype(
@@ -173,6 +173,7 @@ class Instance:
         mask: 8 bits; rays count the instance whose ``cull_mask`` has one of them.
         shader_offset: a number below 2**24 that hits report.
         flags: whether faces are culled or exchanged, and geometries forced to be opaque or not.
+        scene: what is placed, for ``Unit.group``.
     """
 
     matrix: ArrayLike | NDArray[Any]
@@ -180,3 +181,4 @@ class Instance:
     mask: int = 0xFF
     shader_offset: int = 0
     flags: InstanceFlags = InstanceFlags.NONE
+    scene: UnitScene | None = None

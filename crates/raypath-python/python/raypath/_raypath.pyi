@@ -894,6 +894,18 @@ class Unit:
             ValueError: another type or shape; a coordinate out of range; no triangle, or too many; no instance, one
                 that is too far away, a matrix without an inverse, or a unit without ``instances`` or ``queries`` that
                 the scene needs."""
+    def group(self, instances: list[Instance], *, reach: float | None = None) -> UnitScene:
+        """A scene of scenes of this unit, placed by instances. In a unit with ``nested_instances`` the scenes may have
+        instances themselves, in any number of levels.
+
+        Args:
+            instances: a list of ``raypath.Instance``, each with its ``scene``. Hits report the position in the list.
+            reach: as in ``scene``. A scene that has instances must have been built for the reach that it has at its
+                places.
+
+        Raises:
+            ValueError: what ``scene`` raises; an instance without a scene, a scene of other nodes, or one that was built
+                for a smaller reach."""
     def trace(self, scene: UnitScene, rays: _Rays) -> UnitHits:
         """Traces rays by the functional model, without time. Of candidates, triangles are accepted and boxes ignored; see
         ``query``.

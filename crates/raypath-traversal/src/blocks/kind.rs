@@ -36,11 +36,6 @@ impl NodeKind {
         self.block_bytes().trailing_zeros()
     }
 
-    /// Whether a scene may have instances, whose matrices need blocks of 128 bytes.
-    pub const fn has_instances(self) -> bool {
-        matches!(self, Self::Wide4)
-    }
-
     /// The triangles of a full block of a leaf.
     pub const fn triangles_per_block(self) -> u32 {
         match self {
@@ -60,6 +55,11 @@ impl NodeKind {
             Self::Wide4 => 24,
             Self::Quantised => 10,
         }
+    }
+
+    /// The word of an instance's block with a number of its matrix, 0 to 11: the words that are no child words, in order.
+    pub const fn matrix_word(self, number: usize) -> usize {
+        if number < self.child_word() { number } else { number + 4 }
     }
 
     /// The word of a leaf's block with the index of its geometry.

@@ -226,6 +226,13 @@ impl<T: Copy + Default> Line<T> {
         self.items.first()
     }
 
+    /// Replaces the item that is [`first`](Self::first), if `replaces`.
+    #[inline]
+    pub fn replace_first_if(&mut self, item: T, replaces: bool) {
+        let place = self.items.left as usize % 256;
+        self.items.items[place] = if replaces { item } else { self.items.items[place] };
+    }
+
     /// The item in the last stage.
     #[inline]
     pub fn front(&self) -> Option<T> {

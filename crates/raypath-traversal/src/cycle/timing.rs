@@ -442,11 +442,16 @@ impl Timing {
         self.offered[ready.kind as usize] += u64::from(leaves);
         let issues = match &mut self.decoder {
             None => leaves,
-            Some(decoder) if leaves | !has_ready => {
-                decoder.advance(self.has_offer.then_some(self.offer));
-                self.has_offer
+            Some(decoder) => {
+                // An instance leaves twice.
+                let stays = leaves & (ready.kind == Kind::Origin);
+                decoder.replace_first_if(Job { kind: Kind::Direction, ..ready }, stays);
+                let advances = (leaves & !stays) | !has_ready;
+                if advances {
+                    decoder.advance(self.has_offer.then_some(self.offer));
+                }
+                advances & self.has_offer
             }
-            Some(_) => false,
         };
         let follows = self.following > 0;
         let next = self.offer.kind.next(self.following == 1);
@@ -467,7 +472,8 @@ impl Timing {
             self.queues.put(FAULT, context);
         }
         self.offer = select_unpredictable(begins, Job { context, kind: Kind::first(asked) }, self.offer);
-        self.following = select_unpredictable(begins, u32::from(asked.count).saturating_sub(1), self.following);
+        let following = if self.decoder.is_some() { 0 } else { u32::from(asked.count).saturating_sub(1) };
+        self.following = select_unpredictable(begins, following, self.following);
         self.has_offer |= begins & !fails;
         self.queues.push_if(ARRIVALS, arrived.unwrap_or_default(), arrived.is_some());
     }

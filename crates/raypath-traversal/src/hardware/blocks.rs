@@ -4,18 +4,26 @@ use super::parameters::UnitParameters;
 use super::queue::bits;
 use crate::blocks::{NodeKind, VERTEX_WORDS, quantised};
 use crate::netlist::{Netlist, Value};
+use crate::step::StepParameters;
 use raypath_hdl::text::PortGroup;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_ops::Word;
 use std::sync::Arc;
 
-/// The words of a block that its jobs need: triangles or, at the same places, boxes.
-pub const fn job_words(nodes: NodeKind) -> usize {
-    match nodes {
-        NodeKind::Wide4 => VERTEX_WORDS * nodes.triangles_per_block() as usize,
-        NodeKind::Quantised => quantised::WORDS,
+/// The words of a block of wide nodes that its jobs need: triangles or, at the same places, boxes or a matrix.
+pub const JOB_WORDS: usize = VERTEX_WORDS * NodeKind::Wide4.triangles_per_block() as usize;
+
+/// The words of a block that its jobs need, in order: of quantised nodes those with bounds, and those of a matrix.
+pub fn job_words(StepParameters { node, features, .. }: StepParameters) -> Vec<usize> {
+    match node {
+        NodeKind::Wide4 => (0..JOB_WORDS).collect(),
+        NodeKind::Quantised if features.instances => (0..MATRIX_WORDS).map(|number| node.matrix_word(number)).collect(),
+        NodeKind::Quantised => (0..quantised::WORDS).collect(),
     }
 }
+
+/// The numbers of a matrix.
+const MATRIX_WORDS: usize = 12;
 
 /// The module `raypath_unit_blocks`, which keeps a block for each context. It takes a beat in every cycle.
 ///
@@ -56,21 +64,22 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let store = |name: &str, of: Vec<(usize, String, Wire<'_>)>, (read, reader)| {
         let mut stored = Vec::new();
         for number in 0..beats {
-            let here: Vec<_> = of.iter().filter(|(word, ..)| word / per_beat == number as usize).collect();
+            let of = of.iter().enumerate();
+            let here: Vec<_> = of.filter(|(_, (word, ..))| word / per_beat == number as usize).collect();
             if here.is_empty() {
                 continue;
             }
             let columns: Vec<(&str, u32)> =
-                here.iter().map(|(_, title, wire)| (title.as_str(), wire.width())).collect();
+                here.iter().map(|(_, (_, title, wire))| (title.as_str(), wire.width())).collect();
             let memory = m.memory(&format!("u_{name}_{number}"), contexts, &columns);
-            memory.write(is_beat(number), context, &here.iter().map(|(.., wire)| *wire).collect::<Vec<_>>());
-            stored.extend(memory.read(read, reader));
+            memory.write(is_beat(number), context, &here.iter().map(|(_, (.., wire))| *wire).collect::<Vec<_>>());
+            stored.extend(here.iter().map(|(place, _)| *place).zip(memory.read(read, reader)));
         }
-        stored
+        stored.sort_by_key(|(place, _)| *place);
+        stored.into_iter().map(|(_, wire)| wire).collect::<Vec<_>>()
     };
-    let whole = |from: usize, count: usize| {
-        (from..from + count).map(|word| (word, format!("word_{word}"), data(word))).collect::<Vec<_>>()
-    };
+    let column = |word: usize| (word, format!("word_{word}"), data(word));
+    let whole = |from: usize, count: usize| (from..from + count).map(column).collect::<Vec<_>>();
     let (child_word, index_word) = (nodes.child_word(), nodes.index_word());
     let exist = |child: usize| {
         let (word, c) = (child_word + child, Netlist(m));
@@ -78,14 +87,10 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         (word, format!("exists_{child}"), exists)
     };
     let [job, child, index] = readers;
-    let jobs = match nodes {
-        NodeKind::Wide4 => store("jobs", whole(0, job_words(nodes)), job),
-        NodeKind::Quantised => {
-            // The columns are in the order of the outputs, because words before others come in the same beat or before.
-            let columns = whole(0, job_words(nodes)).into_iter().chain((0..4).map(exist)).collect();
-            store("jobs", columns, job)
-        }
-    };
+    let of_jobs = job_words(step);
+    let children_of_job = if nodes == NodeKind::Quantised { 0..4 } else { 0..0 };
+    let columns = of_jobs.iter().map(|&word| column(word)).chain(children_of_job.map(exist));
+    let jobs = store("jobs", columns.collect(), job);
     let children = store("children", whole(child_word, 4), child);
     let indices = store("indices", whole(index_word, nodes.triangles_per_block() as usize), index);
     if step.features.has("geometry") {
@@ -94,13 +99,14 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         geometry.into_iter().for_each(|wire| m.output("geometry_o", wire));
     }
     if beats == 1 {
-        let last = (child_word + 4).max(index_word + nodes.triangles_per_block() as usize);
+        let of_jobs = of_jobs.iter().max().map_or(0, |word| word + 1);
+        let last = (child_word + 4).max(index_word + nodes.triangles_per_block() as usize).max(of_jobs);
         m.unused("unused_data", &words[last..]);
     }
 
     m.output("arrived_o", arrived);
     m.output("failed_o", failed);
-    let (words, exist) = jobs.split_at(job_words(nodes));
+    let (words, exist) = jobs.split_at(job_words(step).len());
     for (name, words) in [("word", words), ("exists", exist), ("child", &children), ("index", &indices)] {
         words.iter().enumerate().for_each(|(k, word)| m.output(&format!("{name}_{k}_o"), *word));
     }

@@ -1,6 +1,6 @@
 //! The jobs of a block.
 
-use super::blocks::job_words;
+use super::blocks::JOB_WORDS;
 use super::connect::Inputs;
 use super::queue::{bits, queue};
 use crate::blocks::{NodeKind, VERTEX_WORDS};
@@ -16,7 +16,8 @@ use std::sync::Arc;
 /// `ready_i` is 1 too, with `context_o`, whether it `is_node_o`, its `place_o` in the block and whether it `is_last_o`.
 /// A block with an error has no job; it is a fault, `fault_valid_o`, until `fault_taken_i` is 1.
 ///
-/// A block of quantised nodes has one job, so there are no ports for words, the number of triangles and places.
+/// A block of quantised nodes has one job, or two that the decoder makes of one, so there are no ports for words, the
+/// number of triangles and places.
 pub fn issue(contexts: u32, nodes: NodeKind) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_issue");
     let m = &builder;
@@ -27,7 +28,7 @@ pub fn issue(contexts: u32, nodes: NodeKind) -> Result<Arc<Module>, Error> {
     let arrived_context = m.input("arrived_context_i", width);
     let block_ports = has_places.then(|| {
         let count = m.input("count_i", 2);
-        let words: Vec<Wire<'_>> = (0..job_words(nodes)).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
+        let words: Vec<Wire<'_>> = (0..JOB_WORDS).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
         (count, words)
     });
     let ready = m.input("ready_i", 1);

@@ -1,8 +1,8 @@
 //! The inputs of the datapath's operations.
 
-use super::blocks::job_words;
+use super::blocks::JOB_WORDS;
 use super::connect::{Named, Outputs};
-use crate::blocks::{BOX_WORDS, NodeKind};
+use crate::blocks::BOX_WORDS;
 use crate::instance::TransformInput;
 use raypath_hdl::{Builder, Module};
 use raypath_ops::{Binary32, RayBoxInput, RayTriangleInput, ports_of};
@@ -18,6 +18,11 @@ pub struct Jobs<'m> {
 }
 
 impl<'m> Jobs<'m> {
+    /// What offers the jobs.
+    fn of_block(&self) -> &Outputs<'m> {
+        self.decoder.as_ref().unwrap_or(&self.issue)
+    }
+
     /// The inputs of the datapath's operations.
     pub fn inputs(&self, m: &'m Builder, datapath: &Module) -> Named<'m> {
         let mut found: Named<'m> = Vec::new();
@@ -48,18 +53,22 @@ impl<'m> Jobs<'m> {
                 None if name.starts_with("point_") => {
                     let axis = name.trim_start_matches("point_");
                     let [origin, dir] = ["origin", "dir"].map(|of| self.rays.port(&format!("job_{of}_{axis}")));
-                    self.issue.port("is_last").mux(dir, origin)
+                    self.of_block().port("is_last").mux(dir, origin)
                 }
                 None if name.starts_with("matrix_") => {
                     let place: usize = matrix.next().unwrap_or_default();
-                    let word = self.blocks.port(&format!("word_{place}"));
+                    let words = self.decoder.as_ref().unwrap_or(&self.blocks);
+                    let word = words.port(&format!("word_{place}"));
                     // A direction is not moved.
-                    let is_moved = !self.issue.port("is_last");
+                    let is_moved = !self.of_block().port("is_last");
                     if name.ends_with("_t") { word & is_moved.replicate(32) } else { word }
                 }
                 None => {
                     let vertex: usize = vertices.next().unwrap_or_default();
-                    self.decoder.as_ref().unwrap_or(&self.issue).port(&format!("triangle_{vertex}"))
+                    match &self.decoder {
+                        None => self.issue.port(&format!("triangle_{vertex}")),
+                        Some(decoder) => decoder.port(&format!("word_{vertex}")),
+                    }
                 }
             };
             found.push((name, wire));
@@ -76,4 +85,4 @@ fn box_word(place: usize) -> usize {
     BOX_WORDS * child + 3 * is_max + axis
 }
 
-const _: () = assert!(4 * BOX_WORDS <= job_words(NodeKind::Wide4));
+const _: () = assert!(4 * BOX_WORDS <= JOB_WORDS);

@@ -103,9 +103,8 @@ impl UnitParameters {
     /// assert_eq!(parameters.memory_width, 128);
     /// let problem = "'5', expected 2, 4, 8, 16 or 32".to_string();
     /// assert_eq!(parameters.set("stack", "5"), Some(Err(problem)));
-    /// assert_eq!(parameters.set("node", "quantised"), Some(Ok(())));
-    /// let problem = "'true': node is quantised, expected wide4, which instances need".to_string();
-    /// assert_eq!(parameters.set("instances", "true"), Some(Err(problem)));
+    /// let problem = "'true': instances is false, expected true, which nested instances need".to_string();
+    /// assert_eq!(parameters.set("nested-instances", "true"), Some(Err(problem)));
     /// assert_eq!(parameters.set("lanes", "4"), None);
     /// ```
     ///

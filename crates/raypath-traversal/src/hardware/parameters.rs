@@ -85,9 +85,6 @@ impl UnitParameters {
         if features.nested && !features.instances {
             return error("instances", "false".to_string(), "true, which nested instances need".to_string());
         }
-        if features.instances && !node.has_instances() {
-            return error("node", node.to_string(), "wide4, which instances need".to_string());
-        }
         Ok(())
     }
 }

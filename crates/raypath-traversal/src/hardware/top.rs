@@ -38,11 +38,11 @@ pub struct UnitNetlist {
 }
 
 /// The bits of a job's tag besides the context: the triangle's place, and whether it is the last of its block.
-/// Blocks of quantised nodes have one.
-const fn tag_bits(nodes: NodeKind) -> u32 {
-    match nodes {
+/// Blocks of quantised nodes have one, but for those of instances.
+fn tag_bits(StepParameters { node, features, .. }: StepParameters) -> u32 {
+    match node {
         NodeKind::Wide4 => 3,
-        NodeKind::Quantised => 0,
+        NodeKind::Quantised => features.instances.into(),
     }
 }
 
@@ -60,7 +60,7 @@ impl UnitNetlist {
         }
         parameters.check()?;
         check(config)?;
-        let tag = bits(parameters.contexts) + tag_bits(parameters.step.node);
+        let tag = bits(parameters.contexts) + tag_bits(parameters.step);
         let UnitFeatures { barycentrics, edges, .. } = parameters.step.features;
         let features = Features {
             tag,
@@ -135,7 +135,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let fetched = top.fetched();
     let words = prefixed("word", blocks.under("word"));
     let issue = top.issue(&ports, &blocks, &words, &fetched)?;
-    let decoder = top.decoder(&issue, &blocks, words)?;
+    let decoder = top.decoder(&issue, &blocks, words, &fetched)?;
     let jobs = Jobs { rays, blocks, issue, decoder, fetched };
 
     m.section("The datapath");
@@ -262,6 +262,7 @@ impl<'m> Top<'m> {
         issue: &Outputs<'m>,
         blocks: &Outputs<'m>,
         words: Named<'m>,
+        fetched: &Named<'m>,
     ) -> Result<Option<Outputs<'m>>, UnitError> {
         let Some([decodes, context, ready]) = self.back.decoder else { return Ok(None) };
         let decoder = Inputs::default()
@@ -269,8 +270,9 @@ impl<'m> Top<'m> {
             .port("context", issue.port("context"))
             .ports(words)
             .ports(prefixed("exists", blocks.under("exists")))
+            .ports(fetched.get(2).cloned())
             .port("ready", self.back.job_ready.wire())
-            .place(self.m, "u_decoder", &decoder(self.parameters.contexts)?);
+            .place(self.m, "u_decoder", &decoder(self.parameters)?);
         decodes.drive(decoder.port("read"));
         context.drive(decoder.port("read_context"));
         ready.drive(decoder.port("ready"));
@@ -289,7 +291,11 @@ impl<'m> Top<'m> {
                 let tag = m.concat(&[issue.port("context"), issue.port("place"), issue.port("is_last")]);
                 (issue.port("offer"), issue.port("is_node"), tag)
             }
-            Some(decoder) => (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node"), decoder.port("context")),
+            Some(decoder) => {
+                let is_last = is_instance.map(|_| decoder.port("is_last"));
+                let tag: Vec<_> = [decoder.port("context")].into_iter().chain(is_last).collect();
+                (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node"), m.concat(&tag))
+            }
         };
         let ready = m.forward("outcome_ready", 1);
         let ports = Inputs::default()

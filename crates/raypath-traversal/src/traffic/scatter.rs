@@ -101,7 +101,7 @@ impl BlockScene {
         let (first, children, indices) = match child {
             Child::None => (0, 0, 0),
             Child::Node { .. } => (nodes.child_word(), 4, 0),
-            Child::Instance { .. } => (NodeKind::Wide4.child_word(), 1, 3),
+            Child::Instance { .. } => (nodes.child_word(), 1, 3),
             Child::Leaf { .. } | Child::Box { .. } => {
                 (first_index(*nodes), 0, 1 + nodes.triangles_per_block() as usize)
             }

@@ -48,7 +48,7 @@ impl BlockScene {
     /// Appends an instance, and returns its child word.
     pub fn instance(&mut self, instance: &Instance) -> u32 {
         let word = self.address() | INSTANCE_KIND;
-        self.0.extend(instance.to_bytes());
+        self.0.extend(instance.to_bytes(self.1));
         word
     }
 

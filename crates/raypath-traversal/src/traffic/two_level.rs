@@ -1,7 +1,7 @@
 //! Random scenes of two levels: objects, and instances of them.
 
 use super::scene::{BlockScene, Object, never};
-use crate::blocks::LeafTriangle;
+use crate::blocks::{LeafTriangle, NodeKind};
 use crate::instance::Instance;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -25,11 +25,11 @@ pub struct TwoLevelScene {
 type Part = (u32, Aabb<Binary32>);
 
 impl TwoLevelScene {
-    /// A scene with this number of instances around the origin: turned, sheared, mirrored, and some twice at the same
+    /// A scene of these nodes with this number of instances around the origin: turned, sheared, mirrored, and some twice at the same
     /// place. If `is_odd`, some have matrices without an inverse, with huge numbers or NaN, or no
     /// valid object, or that of a part of the scene, such as another instance, or several parts.
-    pub fn random(count: u32, is_odd: bool, random: &mut ChaCha8Rng) -> Self {
-        let mut blocks = BlockScene::default();
+    pub fn random(nodes: NodeKind, count: u32, is_odd: bool, random: &mut ChaCha8Rng) -> Self {
+        let mut blocks = BlockScene(Vec::new(), nodes);
         let objects: Vec<Object> = (0..random.random_range(1..4))
             .map(|_| match random.random_range(0..4) {
                 0 => blocks.deep_object(random.random_range(4..16), random),

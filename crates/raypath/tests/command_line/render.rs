@@ -116,6 +116,10 @@ fn the_unit_draws_the_same_picture() {
     assert!(said.contains("root 0x00000020"), "{said}");
     let bytes = std::fs::read(folder.path().join("scene.bin")).expect("a scene");
     assert!(!bytes.is_empty() && bytes.len().is_multiple_of(128));
+    page::succeeds(&["scene", "--refit", &out("scene.bin"), "--out", &out("same.bin")]);
+    assert!(std::fs::read(folder.path().join("same.bin")).expect("a scene") == bytes);
+    let (node, words) = ("quantised", ["scene.bin", "expected"]);
+    ends_with(&["scene", "--refit", &out("scene.bin"), "--node", node, "--out", &out("other.bin")], 2, &words);
     let missing = out("missing.obj");
     ends_with(&["scene", &missing, "--out", &out("other.bin")], 2, &[&missing]);
     assert!(!folder.path().join("other.bin").exists());

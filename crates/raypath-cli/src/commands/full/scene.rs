@@ -4,7 +4,9 @@ use crate::CliError;
 use crate::commands::full::render::Shown;
 use crate::commands::full::{MemoryArguments, write_and_name};
 use clap::Args;
-use raypath_traversal::blocks::NodeKind;
+use raypath_render::refit;
+use raypath_traversal::blocks::{Child, NodeKind};
+use std::fmt::Display;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -19,6 +21,10 @@ pub struct Arguments {
     /// scene, row by row. The unit needs instances (generate --unit --unit-features instances)
     #[arg(long, value_name = "FILE")]
     instances: Option<PathBuf>,
+    /// Keep the tree of this scene, which was written from a mesh with the same triangles and nodes, and put the
+    /// vertices of the mesh into it
+    #[arg(long, value_name = "FILE", conflicts_with = "instances")]
+    refit: Option<PathBuf>,
     /// The file to write: the blocks of the scene, from address 0 on
     #[arg(long, default_value = "build/scene.bin", value_name = "FILE")]
     out: PathBuf,
@@ -27,7 +33,17 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
-    let Arguments { mesh, node, instances, out: path, memory } = arguments;
+    let Arguments { mesh, node, instances, refit: old, out: path, memory } = arguments;
+    if let Some(old) = old {
+        let unusable = |problem: &dyn Display| CliError::unusable(format!("{}: {problem}", old.display()));
+        let mut bytes = memory.limit.read(old).map_err(|problem| unusable(&problem))?;
+        let root = Child::Node { address: 0 }.word(*node).map_err(|problem| unusable(&problem))?;
+        let mesh = Shown::read(mesh.as_deref(), None, memory.limit)?.mesh();
+        refit(&mut bytes, root, *node, &mesh).map_err(|problem| unusable(&problem))?;
+        writeln!(out, "{} triangles in the tree of {}", mesh.triangles().len(), old.display())?;
+        writeln!(out, "root {root:#010x}")?;
+        return write_and_name(&[(path.clone(), &bytes)], out);
+    }
     let scene = Shown::read(mesh.as_deref(), instances.as_deref(), memory.limit)?.through_unit([], *node)?;
     let Some(blocks) = scene.blocks() else { return Ok(()) };
     let (triangles, nodes) = (scene.mesh().triangles().len(), scene.bvh().nodes().len());

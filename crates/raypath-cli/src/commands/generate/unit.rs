@@ -130,7 +130,7 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
     let (begin, nodes) = (Instant::now(), unit.parameters.step.node);
     let mut random = ChaCha8Rng::seed_from_u64(arguments.seed);
     let (scene, root, described) = if unit.parameters.step.features.instances {
-        let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(INSTANCES, false, &mut random);
+        let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(nodes, INSTANCES, false, &mut random);
         (blocks, root, format!("{INSTANCES} instances"))
     } else {
         let (scene, root) = BlockScene::random_of(nodes, TRIANGLES, &mut random);

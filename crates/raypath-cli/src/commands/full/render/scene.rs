@@ -72,6 +72,11 @@ impl Shown {
         }
     }
 
+    /// The mesh alone.
+    pub fn mesh(self) -> Mesh {
+        self.mesh
+    }
+
     /// The scene for ray origins at these points.
     pub fn scene(self, origins: impl IntoIterator<Item = [f32; 3]>) -> Result<Scene, CliError> {
         match self.instances {

@@ -1,0 +1,119 @@
+//! New vertices for a scene in memory whose tree stays.
+
+use crate::mesh::{Bounds, Mesh};
+use raypath_ops::Aabb;
+use raypath_traversal::LEVELS;
+use raypath_traversal::blocks::quantised::BoxError;
+use raypath_traversal::blocks::{Child, InvalidChild, LeafTriangle, Node, NodeKind};
+use thiserror::Error;
+
+/// The reason why a scene cannot have the vertices of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum RefitError {
+    /// A child word.
+    #[error(transparent)]
+    Child(#[from] InvalidChild),
+    /// A block that is not there.
+    #[error("a block at address {address:#x}, expected one of the {bytes} bytes of the scene")]
+    Address {
+        /// Its address.
+        address: u32,
+        /// The bytes of the scene.
+        bytes: usize,
+    },
+    /// A tree that ends nowhere.
+    #[error("more than {LEVELS} levels of nodes, expected at most so many")]
+    TooDeep,
+    /// A triangle that the mesh does not have.
+    #[error("triangle {index} in the scene, expected less than {triangles}, the number of triangles of the mesh")]
+    Triangle {
+        /// Its index.
+        index: u32,
+        /// The number of triangles of the mesh.
+        triangles: usize,
+    },
+    /// What is not made from a mesh.
+    #[error("{0} in the scene, expected triangles of one geometry")]
+    Content(&'static str),
+    /// A box that has no quantised bounds.
+    #[error(transparent)]
+    Box(#[from] BoxError),
+}
+
+/// Puts the vertices of a mesh into the scene of this root, and fits the boxes of its tree around them. The tree was
+/// built from a mesh with the same triangles. A tree that was built anew is faster if they have moved far.
+///
+/// # Errors
+/// A scene that is not a tree over triangles of the mesh, or boxes that quantised nodes do not have. The bytes are
+/// then changed in part.
+pub fn refit(bytes: &mut [u8], root: u32, nodes: NodeKind, mesh: &Mesh) -> Result<(), RefitError> {
+    Refit { bytes, nodes, mesh }.child(root, 0).map(|_| ())
+}
+
+struct Refit<'s> {
+    bytes: &'s mut [u8],
+    nodes: NodeKind,
+    mesh: &'s Mesh,
+}
+
+impl Refit<'_> {
+    /// Refits what a child word refers to, and returns its bounds.
+    fn child(&mut self, word: u32, level: u32) -> Result<Bounds, RefitError> {
+        match Child::of(word, self.nodes)? {
+            Child::None => Ok(Bounds::EMPTY),
+            Child::Node { .. } if level >= LEVELS => Err(RefitError::TooDeep),
+            Child::Node { address } => self.node(address, level),
+            Child::Leaf { address, count, .. } => self.leaf(address, count),
+            Child::Instance { .. } => Err(RefitError::Content("an instance")),
+            Child::Box { .. } => Err(RefitError::Content("a procedural box")),
+        }
+    }
+
+    fn node(&mut self, address: u32, level: u32) -> Result<Bounds, RefitError> {
+        let nodes = self.nodes;
+        let block = self.block(address)?;
+        let missing = RefitError::Address { address, bytes: block.len() };
+        let mut node = match nodes {
+            NodeKind::Wide4 => Node::of(block.first_chunk().ok_or(missing)?),
+            NodeKind::Quantised => Node::of_quantised(block.first_chunk().ok_or(missing)?),
+        };
+        let mut all = Bounds::EMPTY;
+        for (aabb, word) in node.boxes.iter_mut().zip(node.children) {
+            let bounds = self.child(word, level + 1)?;
+            (*aabb, all) = (Aabb::new(bounds.min, bounds.max), all.union(bounds));
+        }
+        match nodes {
+            NodeKind::Wide4 => self.block(address)?.copy_from_slice(&node.to_bytes()),
+            NodeKind::Quantised => self.block(address)?.copy_from_slice(&node.to_quantised_bytes()?),
+        }
+        Ok(all)
+    }
+
+    fn leaf(&mut self, address: u32, count: u32) -> Result<Bounds, RefitError> {
+        let (mesh, nodes) = (self.mesh, self.nodes);
+        let (of_block, triangles) = (nodes.triangles_per_block(), mesh.triangles().len());
+        let mut all = Bounds::EMPTY;
+        for place in 0..count {
+            let block = self.block(address.saturating_add(place / of_block * nodes.block_bytes()))?;
+            let place = (place % of_block) as usize;
+            if LeafTriangle::geometry(block, nodes) != 0 {
+                return Err(RefitError::Content("a second geometry"));
+            }
+            let index = LeafTriangle::of(block, place, nodes).index;
+            if index as usize >= triangles {
+                return Err(RefitError::Triangle { index, triangles });
+            }
+            let corners = mesh.corners(index);
+            LeafTriangle::put_vertices(block, place, corners);
+            all = corners.into_iter().fold(all, Bounds::with);
+        }
+        Ok(all)
+    }
+
+    fn block(&mut self, address: u32) -> Result<&mut [u8], RefitError> {
+        let bytes = self.bytes.len();
+        let block =
+            self.bytes.get_mut(address as usize..).and_then(|rest| rest.get_mut(..self.nodes.block_bytes() as usize));
+        block.ok_or(RefitError::Address { address, bytes })
+    }
+}
