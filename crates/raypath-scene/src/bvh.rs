@@ -192,8 +192,9 @@ pub fn peer_triangles(mesh: &Mesh, triangles: &[u32]) -> Vec<PeerTriangle> {
     corners.map(|[a, b, c]| PeerTriangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect()
 }
 
-/// The triangles of a mesh that are not degenerate. Those that have one box, if they are more than a leaf holds, are a group, because obvhs
-/// takes a time that grows with the square of their number. Every other triangle is a group of its own.
+/// The triangles of a mesh that are not degenerate. Those that have one box, if they are more than a leaf holds, are a
+/// group, because obvhs takes a time that grows with the square of their number. Every other triangle is a group of its
+/// own.
 struct Groups {
     /// The first triangle of each group.
     first: Vec<u32>,

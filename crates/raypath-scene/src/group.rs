@@ -40,17 +40,21 @@ pub type MemberPlace = (usize, Placement);
 ///
 /// # Errors
 /// No place; a scene that is too large or too deep; a place that is too far away; a member that is no scene of these
-/// nodes, or was built for a smaller reach than its places need.
+/// nodes or does not exist, or was built for a smaller reach than its places need.
 pub fn group(
     members: &[Member<'_>],
     places: &[MemberPlace],
     reach: Option<f32>,
     nodes: NodeKind,
 ) -> Result<Group, SceneError> {
+    let refused = |number: usize, problem: String| SceneError::Member { number, problem };
+    if let Some(&(number, _)) = places.iter().find(|(number, _)| *number >= members.len()) {
+        return Err(refused(number, format!("expected less than {}, the number of scenes", members.len())));
+    }
     let own: Vec<(Placement, Bounds)> =
         places.iter().map(|&(member, placement)| (placement, members[member].bounds)).collect();
     let Margins { reach, pads, .. } = Margins::of(&own, reach)?;
-    for (&(member, placement), _) in places.iter().zip(&own) {
+    for &(member, placement) in places {
         let (built, needed) = (members[member].reach, placement.object_reach(reach));
         if built < needed {
             return Err(SceneError::Reach { member, built, needed });
@@ -59,11 +63,14 @@ pub fn group(
     let (mut bytes, mut roots, mut has_instances) = (Vec::new(), Vec::new(), false);
     for (number, member) in members.iter().enumerate() {
         let offset = u32::try_from(bytes.len()).map_err(|_| BlocksError::TooLarge { bytes: bytes.len() as u64 })?;
-        let first = bytes.len();
+        let (first, block) = (bytes.len(), nodes.block_bytes() as usize);
+        if !member.bytes.len().is_multiple_of(block) {
+            return Err(refused(number, format!("{} bytes, expected a multiple of {block}", member.bytes.len())));
+        }
         bytes.extend(member.bytes);
         let mut moved =
             Moved { bytes: &mut bytes[first..], nodes, offset, levels: HashMap::new(), has_instances: false };
-        let levels = moved.levels(member.root, 0).map_err(|problem| SceneError::Member { number, problem })?;
+        let levels = moved.levels(member.root, 0).map_err(|problem| refused(number, problem))?;
         has_instances |= moved.has_instances;
         roots.push((moved.word(member.root), levels));
     }
@@ -141,10 +148,12 @@ impl Moved<'_> {
         let child = Child::of(word, self.nodes).map_err(|problem| problem.to_string())?;
         let (address, children) = match child {
             Child::Node { address } => (address, 4),
-            Child::Instance { address } => (address, 1),
+            Child::Instance { address } => {
+                self.has_instances = true;
+                (address, 1)
+            }
             Child::None | Child::Leaf { .. } | Child::Box { .. } => return Ok(0),
         };
-        self.has_instances |= children == 1;
         if let Some(levels) = self.levels.get(&address) {
             return Ok(*levels);
         }

@@ -227,11 +227,8 @@ impl Unit {
             })
             .collect();
         let placed = |(index, (scene, instance)): (usize, &(u32, SceneInstance))| {
-            let problem = |problem: String| error(&format!("instance {index}: {problem}"));
-            let known = (*scene as usize) < members.len();
-            let expected = || problem(format!("scene {scene}, expected less than {}", members.len()));
-            let placement = instance.placed().map_err(problem)?;
-            if known { Ok((*scene as usize, placement)) } else { Err(expected()) }
+            let placement = instance.placed().map_err(|problem| error(&format!("instance {index}: {problem}")))?;
+            Ok((*scene as usize, placement))
         };
         let places = places.iter().enumerate().map(placed).collect::<Result<Vec<_>, Error>>()?;
         let Group { blocks, bounds: Bounds { min, max }, reach } =
