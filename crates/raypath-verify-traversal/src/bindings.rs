@@ -230,10 +230,10 @@ pub fn set_up(setting: &Setting, module: &Module) -> String {
     context_width(module) + &format!("  localparam int LATENCY = {latency};\n")
 }
 
-/// The lowest bits of the words of a triangle at the inputs and at the outputs.
+/// The lowest bits of the words that pass, at the inputs and at the outputs.
 pub fn decoder(_: &Setting, module: &Module) -> String {
     let words = |name: &dyn Fn(u32) -> String| (0..9).map(name).collect::<Vec<String>>().join(", ");
-    let (given, shown) = (words(&|k| format!("word_{k}_i[0]")), words(&|k| format!("triangle_{k}_o[0]")));
+    let (given, shown) = (words(&|k| format!("word_{k}_i[0]")), words(&|k| format!("word_{k}_o[0]")));
     context_width(module)
         + &format!("  localparam int D = 9;\n  wire [D-1:0] p_words_in = {{{given}}}, p_words_out = {{{shown}}};\n")
 }

@@ -175,6 +175,14 @@ claims! {
         enters: "~transformed_is_last_i | (chosen & ready)" => "~transformed_is_last_i | chosen";
         own_context: "chosen ? transformed_context_i : context_i" => "chosen ? context_i : transformed_context_i";
     }
+    "raypath_unit_distance" in Instances: include_str!("properties/distance.sv"),
+        None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {
+        order: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
+        order: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
+        real_block: "is_complete_q <= (folds & tag_q[2])" => "is_complete_q <= folds";
+        real_triangle: "read  = divider_valid & moves" => "read  = divider_valid";
+        fraction: ".write_address_i ({context_i, place_i})" => ".write_address_i ({context_i, 2'd0})";
+    }
     "raypath_unit_decoder" in Quantised: include_str!("properties/decoder.sv"),
         None, decoder; "p_follows_q && p_ahead_q == 1"; {
         order: "advances = ~has_sums_q | ready_i" => "advances = 1'b1";

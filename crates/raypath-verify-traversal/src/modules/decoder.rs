@@ -3,26 +3,42 @@
 use super::{Bench, CYCLES, number};
 use std::collections::VecDeque;
 
-/// Compares the bounds and the triangle of blocks that enter in every cycle. When they move is proved.
+/// Compares the bounds and the words of blocks that enter in every cycle. With instances, some leave twice. When they
+/// move is proved otherwise.
 pub fn run(bench: &mut Bench) -> Result<(), String> {
     let [valid, ready, word, exists] = bench.inputs(["valid_i", "ready_i", "word_0_i", "exists_0_i"]);
-    let [is_shown, bound, triangle] = bench.outputs(["valid_o", "bound_0_o", "triangle_0_o"]);
-    let mut inside: VecDeque<Vec<u64>> = VecDeque::new();
+    let [takes, is_shown, bound, passed] = bench.outputs(["ready_o", "valid_o", "bound_0_o", "word_0_o"]);
+    let of_instances = bench.input("is_instance_i").zip(bench.output("is_last_o"));
+    let passes = if of_instances.is_some() { 12 } else { 9 };
+    // Whether it is an instance, and what it shows.
+    let mut inside: VecDeque<(bool, Vec<u64>)> = VecDeque::new();
+    let mut is_second = false;
     for cycle in 0..CYCLES {
         let mut words = bench.words();
         (0..3).for_each(|axis| words[word + axis] = number(&mut bench.random).to_bits().into());
         (words[valid], words[ready]) = (1, 1);
+        let is_instance = inside.front().is_some_and(|(is_instance, _)| *is_instance);
+        of_instances.iter().for_each(|(input, _)| words[*input] = is_instance.into());
         words.iter().enumerate().for_each(|(input, &word)| bench.set(input, word));
         bench.simulator.settle();
         if bench.get(is_shown) == 1 {
-            let found: Vec<u64> = (bound..bound + 24).chain(triangle..triangle + 9).map(|k| bench.get(k)).collect();
-            let block = inside.pop_front();
-            if block.as_ref() != Some(&found) {
-                return Err(format!("cycle {cycle}: found {found:x?}, expected {block:x?}"));
+            let found: Vec<u64> = (bound..bound + 24).chain(passed..passed + passes).map(|k| bench.get(k)).collect();
+            let is_last = !is_instance || is_second;
+            let expected = inside.front().map(|(_, block)| block);
+            let has_last = of_instances.is_none_or(|(_, output)| (bench.get(output) == 1) == is_last);
+            if expected != Some(&found) || !has_last {
+                return Err(format!("cycle {cycle}: found {found:x?}, expected {expected:x?}, last: {is_last}"));
+            }
+            is_second = !is_last;
+            if is_last {
+                inside.pop_front();
             }
         }
-        inside
-            .push_back([&bounds(&words[word..word + 10], &words[exists..exists + 4]), &words[word..word + 9]].concat());
+        if bench.get(takes) == 1 {
+            let is_instance = of_instances.is_some() && bench.chance(2);
+            let block = [&bounds(&words[word..word + 10], &words[exists..exists + 4]), &words[word..word + passes]];
+            inside.push_back((is_instance, block.concat()));
+        }
         bench.simulator.cycle();
     }
     Ok(())
