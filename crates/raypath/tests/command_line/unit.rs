@@ -152,6 +152,10 @@ fn instances_on_the_command_line() {
     for words in ["instances; datapath", "hit_instance_o [31:0]", "| u_rays.u_object_constants ", "50 instances"] {
         assert!(said.contains(words), "no '{words}' in {said}");
     }
+    let everything = ["--node", "quantised", "--unit-features", "instances,nested-instances", "--queries", "full"];
+    let more = ["--edges", "once", "--rays", "100", "--out", &below("everything")];
+    let said = page::succeeds(&[&["generate", "--unit"], &everything[..], &more[..]].concat());
+    assert!(said.contains("50 instances") && said.contains("\n0 mismatches between netlist"), "{said}");
     let paths: Vec<PathBuf> = std::fs::read_to_string(folder.path().join("unit/raypath_unit_axi.f"))
         .expect("a list")
         .lines()

@@ -9,7 +9,7 @@ use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
 use raypath_rtl::package::Prefix;
 use raypath_sim::files::{in_folder, write_design};
-use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
+use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray, verdict_of};
 use raypath_traversal::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
 use std::io::Write;
 use std::time::Instant;
@@ -136,6 +136,8 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
         let (scene, root) = BlockScene::random_of(nodes, TRIANGLES, &mut random);
         (scene, root, format!("{TRIANGLES} triangles"))
     };
+    let mut scene = scene;
+    let root = scene.give_geometries(root, unit.parameters.step.features.queries, &mut random);
     let total = arguments.rays as usize;
     let rays: Vec<RayRequest> = (0..total).map(|_| random_ray(root, &mut random)).collect();
     let (mut netlist, mut model) = (NetlistEngine::new(unit)?, UnitModel::of(unit));
@@ -158,7 +160,7 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
     let mut by_status = [0; 4];
     for (&id, &found) in &environment.replies {
         let Some(ray) = rays.get(id as usize) else { continue };
-        let expected = functional.trace(&scene.0[..], ray);
+        let expected = functional.trace_with(&scene.0[..], ray, &mut verdict_of);
         if let Some(count) = by_status.get_mut(expected.status as usize) {
             *count += 1;
         }
@@ -166,7 +168,8 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
             different.push((id, found, expected));
         }
     }
-    let [missed, hit, refused, _] = by_status;
+    let [missed, hit, procedural, refused] = by_status;
+    let hit = hit + procedural;
     let (cycles, seconds) = (environment.cycles(), begin.elapsed().as_secs_f64());
     writeln!(
         out,
