@@ -47,7 +47,7 @@ pub fn compare(
     progress: Progress,
 ) -> Result<Comparison, Stopped> {
     let all: Vec<u32> = (0..scene.mesh().triangles().len() as u32).collect();
-    let tree = binary_tree(scene.mesh(), &all);
+    let tree = binary_tree(scene.mesh(), &all, 4);
     let triangles = peer_triangles(scene.mesh(), &all);
     // In the order of leaves, which is fastest for obvhs.
     let triangles: Vec<_> = tree.primitive_indices.iter().map(|&index| triangles[index as usize]).collect();

@@ -4,7 +4,7 @@ use crate::common::meshes;
 use crate::common::rays::{Kind, rays};
 use raypath_ops::Rules;
 use raypath_render::blocks::Blocks;
-use raypath_render::{Bvh4, Mesh, RefitError, refit};
+use raypath_render::{Mesh, RefitError, Scene, refit};
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::{StepParameters, Unit};
 
@@ -16,7 +16,7 @@ fn bent(mesh: &Mesh) -> Mesh {
 }
 
 fn blocks(mesh: &Mesh, nodes: NodeKind) -> Blocks {
-    Blocks::of(&Bvh4::build(mesh).unwrap(), nodes).unwrap()
+    Scene::new(mesh.clone()).unwrap().through_unit_of(nodes).unwrap().blocks().unwrap().clone()
 }
 
 /// The hits are those of a tree that was built for the moved mesh, and without a move the bytes are the same.

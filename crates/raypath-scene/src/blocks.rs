@@ -1,12 +1,15 @@
 //! A scene as the traversal unit reads it from memory.
 
-use crate::bvh::{Bvh4, Node, Reference, Target, padded};
+use crate::bvh::{self, Bvh, Reference, Target, padded};
 use crate::mesh::{Bounds, Geometry, TrianglePlace};
 use crate::placement::Placement;
 use raypath_ops::{Aabb, Binary32, Ray};
 use raypath_traversal::blocks::quantised::BoxError;
-use raypath_traversal::blocks::{Child, LeafTriangle, Node as NodeBlock, NodeKind};
+use raypath_traversal::blocks::wide8::{Node8, Node8Error};
+use raypath_traversal::blocks::{Child, LeafTriangle, Node, NodeKind};
 use raypath_traversal::{LEVELS, Queries, RayRequest, UnitFeatures, ray_flags};
+use std::array;
+use std::ops::Range;
 use thiserror::Error;
 
 /// A scene in memory: the blocks of [`raypath_traversal::blocks`] from address 0 on. The nodes come first, the root at
@@ -16,6 +19,10 @@ pub struct Blocks {
     bytes: Vec<u8>,
     nodes: NodeKind,
     root: u32,
+    /// The levels of the unit that its tree takes at most.
+    levels: u32,
+    /// The nodes of the object that it was made of.
+    node_count: usize,
     features: UnitFeatures,
     /// Around instances, with their margins.
     bounds: Bounds,
@@ -39,29 +46,29 @@ pub enum BlocksError {
     /// A box has no quantised bounds.
     #[error(transparent)]
     Box(#[from] BoxError),
+    /// A node with eight children has none of its kind.
+    #[error(transparent)]
+    Node(#[from] Node8Error),
 }
 
 impl Blocks {
-    /// The blocks of a tree, with these nodes.
+    /// The blocks of a tree, with nodes of this kind, which have as many children.
     ///
     /// # Errors
     /// They take more than 4 GiB, the tree has more than 64 levels, or a box has no quantised bounds.
-    pub fn of(bvh: &Bvh4, kind: NodeKind) -> Result<Self, BlocksError> {
-        check_levels(bvh.levels())?;
+    pub(crate) fn of<const WIDTH: usize>(bvh: &Bvh<WIDTH>, kind: NodeKind) -> Result<Self, BlocksError> {
+        let levels = bvh.levels() * kind.node_levels();
+        check_levels(levels)?;
         let block_bytes = kind.block_bytes();
-        let leaves = bvh.nodes().iter().flat_map(children).filter_map(|child| match child.target() {
+        let leaves = bvh.nodes().iter().flat_map(children).filter_map(|(_, child)| match child.target() {
             Target::Leaf { count, .. } => Some(u64::from(kind.leaf_blocks(count))),
             Target::Node(_) => None,
         });
-        let size = (bvh.nodes().len() as u64 + leaves.sum::<u64>()) * u64::from(block_bytes);
-        if size > u64::from(u32::MAX) {
-            return Err(BlocksError::TooLarge { bytes: size });
-        }
+        check_size((bvh.nodes().len() as u64 + leaves.sum::<u64>()) * u64::from(block_bytes))?;
         let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
         let first_leaf = bvh.nodes().len() as u32 * block_bytes;
         for node in bvh.nodes() {
-            let mut words = [0; 4];
-            for (word, child) in words.iter_mut().zip(children(node)) {
+            let mut word = |(aabb, child): (_, Reference)| {
                 let child = match child.target() {
                     Target::Node(index) => Child::Node { address: index * block_bytes },
                     Target::Leaf { first, count } => {
@@ -78,42 +85,37 @@ impl Blocks {
                         }
                     }
                 };
-                // Addresses are multiples of a block and leaves have 1 to 8 triangles, so the word is valid.
-                *word = child.word(kind).unwrap_or(0);
-            }
-            nodes.extend(node_bytes(&NodeBlock { boxes: node.boxes, children: words }, kind)?);
+                // Addresses are multiples of a block and no leaf has too many triangles, so the word is valid.
+                (aabb, child.word(kind).unwrap_or(0))
+            };
+            let words: Vec<_> = children(node).map(&mut word).collect();
+            nodes.extend(node_bytes(&words, kind)?);
         }
         nodes.extend(leaves);
-        let root = Child::Node { address: 0 }.word(kind).unwrap_or(0);
         let queries = match bvh.geometries() {
             [Geometry::OPAQUE] => Queries::None,
             geometries if geometries.iter().any(|geometry| geometry.is_boxes) => Queries::Full,
             _ => Queries::Flags,
         };
         let features = UnitFeatures { queries, ..UnitFeatures::OFF };
-        Ok(Self { bytes: nodes, nodes: kind, root, features, bounds: Bounds::EMPTY })
+        Ok(Self { levels, node_count: bvh.nodes().len(), features, ..Self::of_bytes(nodes, kind) })
     }
 
-    /// The blocks of instances of an object, each with its bounds in the scene and how much larger its box is.
+    /// Objects in memory, of which nothing is placed yet. The root of the first is at address 0.
+    pub(crate) fn of_bytes(bytes: Vec<u8>, nodes: NodeKind) -> Self {
+        let root = Child::Node { address: 0 }.word(nodes).unwrap_or(0);
+        Self { bytes, nodes, root, levels: 0, node_count: 0, features: UnitFeatures::OFF, bounds: Bounds::EMPTY }
+    }
+
+    /// This object at places, each with its bounds in the scene and how much larger its box is.
     ///
     /// # Errors
     /// They take more than 4 GiB, or the tree has more than 64 levels.
-    pub fn with_instances(
-        object: &Bvh4,
-        placed: &[(Placement, Bounds, f64)],
-        kind: NodeKind,
-    ) -> Result<Self, BlocksError> {
-        let blocks = Self::of(object, kind)?;
-        let object = (blocks.root, object.levels());
+    pub(crate) fn with_instances(self, placed: &[(Placement, Bounds, f64)]) -> Result<Self, BlocksError> {
+        let object = (self.root, self.levels);
         let placed: Vec<Placed> =
             placed.iter().map(|&(placement, bounds, pad)| Placed { placement, object, bounds, pad }).collect();
-        blocks.placed(&placed)
-    }
-
-    /// Objects in memory, of which nothing is placed yet.
-    pub(crate) fn of_bytes(bytes: Vec<u8>, nodes: NodeKind) -> Self {
-        let features = UnitFeatures::OFF;
-        Self { bytes, nodes, root: 0, features, bounds: Bounds::EMPTY }
+        self.placed(&placed)
     }
 
     /// These objects with instances of them, of which there is at least one.
@@ -121,26 +123,25 @@ impl Blocks {
     /// # Errors
     /// They take more than 4 GiB, or the tree has more than 64 levels.
     pub(crate) fn placed(mut self, placed: &[Placed]) -> Result<Self, BlocksError> {
-        let kind = self.nodes;
-        // A node for at least two children, so that there are fewer than instances.
-        let bytes = self.bytes.len() as u64 + 2 * placed.len() as u64 * u64::from(kind.block_bytes());
-        if bytes > u64::from(u32::MAX) {
-            return Err(BlocksError::TooLarge { bytes });
+        // A node has at least two children, so that there are fewer than instances.
+        let blocks = 2 * placed.len() as u64;
+        check_size(self.bytes.len() as u64 + blocks * u64::from(self.nodes.block_bytes()))?;
+        let has_extras = |Placed { placement, .. }: &Placed| {
+            let instance = placement.instance(0, 0);
+            (instance.mask, instance.custom_index, instance.shader_offset, instance.flags) != (u8::MAX, 0, 0, 0)
+        };
+        if placed.iter().any(has_extras) {
+            self.features.queries = self.features.queries.max(Queries::Flags);
         }
-        let mut parts: Vec<Part> = Vec::with_capacity(placed.len());
-        for (index, Placed { placement, object: (root, levels), bounds, pad }) in (0..).zip(placed) {
-            let word = Child::Instance { address: self.bytes.len() as u32 }.word(kind).unwrap_or(0);
-            let instance = placement.instance(*root, index);
-            if (instance.mask, instance.custom_index, instance.shader_offset, instance.flags) != (u8::MAX, 0, 0, 0) {
-                self.features.queries = self.features.queries.max(Queries::Flags);
-            }
-            self.bytes.extend(instance.to_bytes(kind));
-            let centre = bounds.centre();
-            parts.push(Part { word, centre, aabb: padded(*bounds, *pad), levels: levels + 1 });
-        }
-        let top = self.upper(&mut parts)?;
-        check_levels(top.levels)?;
-        (self.root, self.bounds) = (top.word, bounds_of(&top.aabb));
+        let part = |(index, Placed { bounds, pad, .. }): (usize, &Placed)| Part {
+            index,
+            centre: bounds.centre(),
+            bounds: bounds_of(&padded(*bounds, *pad)),
+        };
+        let mut parts: Vec<Part> = placed.iter().enumerate().map(part).collect();
+        self.bounds = bounds_of_parts(&parts);
+        self.append_instances(placed, &mut parts)?;
+        check_levels(self.levels)?;
         self.features.instances = true;
         Ok(self)
     }
@@ -155,29 +156,45 @@ impl Blocks {
         self.bounds
     }
 
-    /// Appends the nodes over parts, of which there is at least one: they are divided along the axis on which their
-    /// centres differ the most, twice, into four.
-    fn upper(&mut self, parts: &mut [Part]) -> Result<Part, BlocksError> {
-        if let [part] = parts {
-            return Ok(*part);
+    /// Appends the nodes over these parts, level by level, and then the instances. A node's parts are divided along the
+    /// axis on which their centres differ the most, the greatest share first.
+    fn append_instances(&mut self, placed: &[Placed], parts: &mut [Part]) -> Result<(), BlocksError> {
+        let kind = self.nodes;
+        let (first, block_bytes) = (self.bytes.len() as u32, kind.block_bytes());
+        let (mut nodes, mut shares, mut depth) = (Vec::new(), Vec::new(), 0);
+        nodes.extend((parts.len() > 1).then_some((0..parts.len(), 1)));
+        while let Some((node, level)) = nodes.get(shares.len()).cloned() {
+            let own = divided(parts, node, kind.children());
+            nodes.extend(own.iter().filter(|share| share.len() > 1).map(|share| (share.clone(), level + 1)));
+            shares.push(own);
+            depth = level;
         }
-        let (left, right) = halves(parts);
-        let quarters = [left, right].map(|half| if half.len() > 1 { halves(half) } else { (half, &mut [] as &mut _) });
-        let mut children: Vec<Part> = Vec::new();
-        for (first, second) in quarters {
-            for part in [first, second].into_iter().filter(|part| !part.is_empty()) {
-                children.push(self.upper(part)?);
-            }
+        let (mut instances, mut children) = (Vec::new(), (1..).map(|node| first + node * block_bytes));
+        let mut child = |share: &Range<usize>| {
+            let child = if share.len() > 1 {
+                Child::Node { address: children.next().unwrap_or(0) }
+            } else {
+                let address = first + nodes.len() as u32 * block_bytes + instances.len() as u32;
+                let index = parts[share.start].index;
+                let Placed { placement, object: (root, _), .. } = placed[index];
+                instances.extend(placement.instance(root, index as u32).to_bytes(kind));
+                Child::Instance { address }
+            };
+            let Bounds { min, max } = bounds_of_parts(&parts[share.clone()]);
+            (Aabb::new(min, max), child.word(kind).unwrap_or(0))
+        };
+        for own in &shares {
+            let words: Vec<_> = own.iter().map(&mut child).collect();
+            self.bytes.extend(node_bytes(&words, kind)?);
         }
-        let (mut boxes, mut words) = ([Aabb::new(Bounds::EMPTY.min, Bounds::EMPTY.max); 4], [0; 4]);
-        for (place, child) in children.iter().enumerate() {
-            (boxes[place], words[place]) = (child.aabb, child.word);
-        }
-        let word = Child::Node { address: self.bytes.len() as u32 }.word(self.nodes).unwrap_or(0);
-        self.bytes.extend(node_bytes(&NodeBlock { boxes, children: words }, self.nodes)?);
-        let all = children.iter().fold(Bounds::EMPTY, |all, child| all.union(bounds_of(&child.aabb)));
-        let levels = 1 + children.iter().map(|child| child.levels).max().unwrap_or(0);
-        Ok(Part { word, centre: all.centre(), aabb: Aabb::new(all.min, all.max), levels })
+        self.root = match shares.is_empty() {
+            true => child(&(0..1)).1,
+            false => Child::Node { address: first }.word(kind).unwrap_or(0),
+        };
+        self.bytes.extend(instances);
+        let below = placed.iter().map(|Placed { object: (_, levels), .. }| levels + 1).max().unwrap_or(0);
+        self.levels = below + depth * kind.node_levels();
+        Ok(())
     }
 
     /// What a unit needs beside the default for this scene.
@@ -194,6 +211,11 @@ impl Blocks {
     #[expect(clippy::len_without_is_empty, reason = "a tree has a root")]
     pub fn len(&self) -> usize {
         self.bytes.len() / self.nodes.block_bytes() as usize
+    }
+
+    /// The number of nodes of the tree over the triangles of a mesh.
+    pub fn node_count(&self) -> usize {
+        self.node_count
     }
 
     /// The kind of its nodes.
@@ -222,11 +244,19 @@ impl Blocks {
     }
 }
 
-fn node_bytes(node: &NodeBlock, kind: NodeKind) -> Result<Vec<u8>, BoxError> {
-    match kind {
-        NodeKind::Wide4 => Ok(node.to_bytes().to_vec()),
-        NodeKind::Quantised => node.to_quantised_bytes().map(|bytes| bytes.to_vec()),
-    }
+/// The bytes of a node with these children, as many as its kind has at most.
+pub(crate) fn node_bytes(children: &[(Aabb<Binary32>, u32)], kind: NodeKind) -> Result<Vec<u8>, BlocksError> {
+    let none = (Aabb::new(Bounds::EMPTY.min, Bounds::EMPTY.max), 0);
+    let child = |place: usize| children.get(place).copied().unwrap_or(none);
+    let four = || Node { boxes: array::from_fn(|k| child(k).0), children: array::from_fn(|k| child(k).1) };
+    Ok(match kind {
+        NodeKind::Wide4 => four().to_bytes().to_vec(),
+        NodeKind::Quantised => four().to_quantised_bytes()?.to_vec(),
+        NodeKind::Wide8 => {
+            let eight = Node8 { boxes: array::from_fn(|k| child(k).0), children: array::from_fn(|k| child(k).1) };
+            eight.to_bytes()?.to_vec()
+        }
+    })
 }
 
 /// An object at a place: the child word of its root and its levels, its bounds in the scene, and how much larger its box
@@ -238,28 +268,47 @@ pub(crate) struct Placed {
     pub pad: f64,
 }
 
-/// A part of the upper level of a scene.
+/// An instance in the upper level of a scene.
 #[derive(Debug, Clone, Copy)]
 struct Part {
-    word: u32,
+    index: usize,
     centre: [f32; 3],
-    aabb: Aabb<Binary32>,
-    /// The levels of nodes and instances, with those below.
-    levels: u32,
+    /// With its margin.
+    bounds: Bounds,
+}
+
+fn bounds_of_parts(parts: &[Part]) -> Bounds {
+    parts.iter().fold(Bounds::EMPTY, |all, part| all.union(part.bounds))
 }
 
 fn check_levels(levels: u32) -> Result<(), BlocksError> {
     if levels > LEVELS { Err(BlocksError::TooDeep { levels }) } else { Ok(()) }
 }
 
-/// Parts on either side along the axis on which their centres differ the most.
-fn halves(parts: &mut [Part]) -> (&mut [Part], &mut [Part]) {
-    let all = parts.iter().fold(Bounds::EMPTY, |all, part| all.with(part.centre));
-    let side = |axis: usize| all.max[axis] - all.min[axis];
-    let axis = (0..3).max_by(|&a, &b| side(a).total_cmp(&side(b))).unwrap_or(0);
-    let middle = parts.len() / 2;
-    parts.select_nth_unstable_by(middle, |a, b| a.centre[axis].total_cmp(&b.centre[axis]));
-    parts.split_at_mut(middle)
+fn check_size(bytes: u64) -> Result<(), BlocksError> {
+    if bytes > u64::from(u32::MAX) { Err(BlocksError::TooLarge { bytes }) } else { Ok(()) }
+}
+
+/// Divides several parts into up to `most` shares: those with the most parts in halves, along the axis on which their
+/// centres differ the most.
+fn divided(parts: &mut [Part], all: Range<usize>, most: usize) -> Vec<Range<usize>> {
+    let mut shares = vec![all];
+    while shares.len() < most {
+        let several = shares.iter().enumerate().filter(|(_, share)| share.len() > 1);
+        let Some((place, share)) = several.max_by_key(|(_, share)| share.len()).map(|(k, share)| (k, share.clone()))
+        else {
+            break;
+        };
+        let own = &mut parts[share.clone()];
+        let all = own.iter().fold(Bounds::EMPTY, |all, part| all.with(part.centre));
+        let side = |axis: usize| all.max[axis] - all.min[axis];
+        let axis = (0..3).max_by(|&a, &b| side(a).total_cmp(&side(b))).unwrap_or(0);
+        let half = own.len() / 2;
+        own.select_nth_unstable_by(half, |a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+        let middle = share.start + half;
+        shares.splice(place..=place, [share.start..middle, middle..share.end]);
+    }
+    shares
 }
 
 fn bounds_of(aabb: &Aabb<Binary32>) -> Bounds {
@@ -267,8 +316,8 @@ fn bounds_of(aabb: &Aabb<Binary32>) -> Bounds {
     Bounds { min: slabs.map(|slab| slab.min.into()), max: slabs.map(|slab| slab.max.into()) }
 }
 
-/// The children of a node that exist. They come first.
-fn children(node: &Node) -> impl Iterator<Item = Reference> + '_ {
-    let exists = |child: &usize| node.boxes[*child].x.min.value.0 <= node.boxes[*child].x.max.value.0;
-    (0..4).take_while(exists).map(|child| node.children[child])
+/// The children of a node that exist, with their boxes. They come first.
+fn children<const WIDTH: usize>(node: &bvh::Node<WIDTH>) -> impl Iterator<Item = (Aabb<Binary32>, Reference)> + '_ {
+    let exists = |(aabb, _): &(Aabb<Binary32>, _)| aabb.x.min.value.0 <= aabb.x.max.value.0;
+    node.boxes.iter().copied().zip(node.children).take_while(exists)
 }

@@ -1,4 +1,4 @@
-//! The bounding volume hierarchy: a tree with four boxes per node, as the box operation takes them.
+//! The bounding volume hierarchy: a tree with four boxes per node, as the box operation takes them, or eight.
 
 use crate::mesh::{Bounds, Geometry, Mesh, TrianglePlace};
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
@@ -9,6 +9,9 @@ use std::time::Duration;
 use thiserror::Error;
 
 /// A bounding volume hierarchy with four boxes per node.
+pub type Bvh4 = Bvh<4>;
+
+/// A bounding volume hierarchy with `WIDTH` boxes per node: 4, or 8.
 ///
 /// # Boxes of missing children
 /// min is +∞ and max −∞. For every ray the near distance of such a slab is +∞ and the far one −∞ (no NaN: ±∞ less a
@@ -24,8 +27,8 @@ use thiserror::Error;
 /// lies between. Another hit always exists, so tracing stays watertight, but the structure of the tree decides which of
 /// the two is reported.
 #[derive(Debug, Clone)]
-pub struct Bvh4 {
-    nodes: Vec<Node>,
+pub struct Bvh<const WIDTH: usize> {
+    nodes: Vec<Node<WIDTH>>,
     /// The triangles in the order of leaves. The position in this list is the slot of a triangle.
     triangles: Vec<Triangle<Binary32>>,
     /// The mesh index of each of `triangles`, and its place among geometries.
@@ -36,13 +39,13 @@ pub struct Bvh4 {
     levels: u32,
 }
 
-/// An inner node with up to four children.
+/// An inner node with up to `WIDTH` children.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Node {
+pub struct Node<const WIDTH: usize = 4> {
     /// The boxes of the children; a missing child has a box that no ray hits.
-    pub boxes: [Aabb<Binary32>; 4],
+    pub boxes: [Aabb<Binary32>; WIDTH],
     /// The children; a missing child refers to the root.
-    pub children: [Reference; 4],
+    pub children: [Reference; WIDTH],
 }
 
 /// A reference to a node or a leaf in 32 bits. Bit 31 is set for a leaf; bits 30 to 28 are then the number of its
@@ -55,7 +58,7 @@ pub struct Reference(u32);
 pub enum Target {
     /// The node with this index.
     Node(u32),
-    /// A leaf of 1 to 8 triangles in consecutive slots.
+    /// A leaf of 1 to 8 triangles, or 1 to 3 with eight boxes per node, in consecutive slots.
     Leaf {
         /// The slot of the first, for [`Bvh4::triangle`].
         first: u32,
@@ -94,13 +97,16 @@ impl Reference {
     }
 }
 
-impl Bvh4 {
+impl<const WIDTH: usize> Bvh<WIDTH> {
     /// The maximum number of triangles, 2²⁸.
     pub const MAX_TRIANGLES: usize = 1 << Reference::SLOT_BITS;
 
     /// The maximum number of levels of nodes. The unit reads 64 levels: those of the object, one of an instance, and at
-    /// most 13 above the instances that fit into 4 GiB.
-    pub const MAX_LEVELS: u32 = 48;
+    /// most 13 above the instances that fit into 4 GiB. A node with eight boxes may take three levels.
+    pub const MAX_LEVELS: u32 = if WIDTH > 4 { 16 } else { 48 };
+
+    /// The most triangles in a leaf. A leaf below a node with eight boxes is one block.
+    const MAX_IN_LEAF: u32 = if WIDTH > 4 { 3 } else { Reference::MAX_IN_LEAF };
 
     /// Builds the tree of a mesh, without its [degenerate](Mesh::is_degenerate) triangles, which are never hit.
     ///
@@ -109,18 +115,19 @@ impl Bvh4 {
     pub fn build(mesh: &Mesh) -> Result<Self, MeshTooLarge> {
         let triangles = mesh.triangles().len();
         if triangles > Self::MAX_TRIANGLES {
-            return Err(MeshTooLarge { triangles });
+            Err(MeshTooLarge { triangles })
+        } else {
+            Ok(Self::within(mesh, Self::MAX_LEVELS))
         }
-        Ok(Self::within(mesh, Self::MAX_LEVELS))
     }
 
     /// The tree of a mesh with at most `levels` levels, which must be enough for a balanced tree.
-    fn within(mesh: &Mesh, levels: u32) -> Self {
-        let groups = Groups::of(mesh);
+    pub(crate) fn within(mesh: &Mesh, levels: u32) -> Self {
+        let groups = Groups::of(mesh, Self::MAX_IN_LEAF);
         if groups.first.is_empty() {
             return Self { nodes: vec![Node::empty()], levels: 1, ..Self::without_nodes(mesh) };
         }
-        let tree = binary_tree(mesh, &groups.first);
+        let tree = binary_tree(mesh, &groups.first, Self::MAX_IN_LEAF);
         let mut collapse = Collapse::new(mesh, &groups, &tree, levels);
         collapse.run();
         collapse.bvh
@@ -140,7 +147,7 @@ impl Bvh4 {
 
     /// The nodes; the root is the first.
     #[inline]
-    pub fn nodes(&self) -> &[Node] {
+    pub fn nodes(&self) -> &[Node<WIDTH>] {
         &self.nodes
     }
 
@@ -178,11 +185,14 @@ impl Bvh4 {
     }
 }
 
-/// The binary tree of these triangles before its collapse, built by obvhs with equal costs for a triangle test and a
-/// test of four boxes.
-pub fn binary_tree(mesh: &Mesh, triangles: &[u32]) -> Bvh2 {
-    let parameters =
-        BvhBuildParams { max_prims_per_leaf: 4, collapse_traversal_cost: 1.0, ..BvhBuildParams::medium_build() };
+/// The binary tree of these triangles before its collapse, with up to four of them in a leaf that holds as many, built
+/// by obvhs with equal costs for a triangle test and a test of four boxes.
+pub fn binary_tree(mesh: &Mesh, triangles: &[u32], max_in_leaf: u32) -> Bvh2 {
+    let parameters = BvhBuildParams {
+        max_prims_per_leaf: max_in_leaf.min(4),
+        collapse_traversal_cost: 1.0,
+        ..BvhBuildParams::medium_build()
+    };
     build_bvh2_from_tris(&peer_triangles(mesh, triangles), parameters, &mut Duration::default())
 }
 
@@ -203,7 +213,7 @@ struct Groups {
 }
 
 impl Groups {
-    fn of(mesh: &Mesh) -> Self {
+    fn of(mesh: &Mesh, max_in_leaf: u32) -> Self {
         let triangles = (0..mesh.triangles().len() as u32).filter(|&index| !mesh.is_degenerate(index));
         let place = |index: u32| {
             let Bounds { min, max } = mesh.corners(index).into_iter().fold(Bounds::EMPTY, Bounds::with);
@@ -211,7 +221,7 @@ impl Groups {
         };
         let mut counts: HashMap<_, u32> = HashMap::new();
         triangles.clone().for_each(|index| *counts.entry(place(index)).or_default() += 1);
-        counts.retain(|_, count| *count > Reference::MAX_IN_LEAF);
+        counts.retain(|_, count| *count > max_in_leaf);
         let (mut first, mut firsts, mut several) = (Vec::new(), HashMap::new(), HashMap::new());
         for index in triangles {
             let place = place(index);
@@ -233,12 +243,12 @@ impl Groups {
     }
 }
 
-/// The conversion of a binary tree to one with four children per node.
+/// The conversion of a binary tree to one with `WIDTH` children per node.
 ///
 /// Triangles that nest make binary trees as deep as a list, because every division of them looks alike. So the
 /// binary tree is followed only where the levels that are left suffice for a balanced tree of the triangles of each
 /// child. Elsewhere the triangles are divided by their position in the list.
-struct Collapse<'m> {
+struct Collapse<'m, const WIDTH: usize> {
     mesh: &'m Mesh,
     tree: &'m Bvh2,
     /// The number of triangles below each node of the binary tree.
@@ -248,7 +258,7 @@ struct Collapse<'m> {
     /// The place of the triangles of each leaf of the binary tree in that list.
     firsts: Vec<u32>,
     max_levels: u32,
-    bvh: Bvh4,
+    bvh: Bvh<WIDTH>,
 }
 
 /// A part of the binary tree that becomes a child of a node.
@@ -269,9 +279,9 @@ struct Task {
     stacked: usize,
 }
 
-impl<'m> Collapse<'m> {
+impl<'m, const WIDTH: usize> Collapse<'m, WIDTH> {
     fn new(mesh: &'m Mesh, groups: &Groups, tree: &'m Bvh2, max_levels: u32) -> Self {
-        let bvh = Bvh4::without_nodes(mesh);
+        let bvh = Bvh::without_nodes(mesh);
         let (mut counts, mut firsts, mut order) = (vec![0; tree.nodes.len()], vec![0; tree.nodes.len()], Vec::new());
         for &node in nodes_below(tree, 0).iter().rev() {
             let data = &tree.nodes[node as usize];
@@ -323,7 +333,7 @@ impl<'m> Collapse<'m> {
         let geometry = |place: u32| self.mesh.place(self.order[place as usize]).geometry;
         let (of_first, of_last) = (geometry(first), geometry(first + count - 1));
         let is_boxes = self.bvh.geometries.get(of_first as usize).is_some_and(|geometry| geometry.is_boxes);
-        count <= if is_boxes { 1 } else { Reference::MAX_IN_LEAF } && of_first == of_last
+        count <= if is_boxes { 1 } else { Bvh::<WIDTH>::MAX_IN_LEAF } && of_first == of_last
     }
 
     fn leaf(&mut self, first: u32, count: u32) -> Reference {
@@ -377,17 +387,17 @@ impl<'m> Collapse<'m> {
     /// The levels of nodes that a part needs at least: those of a balanced tree, and of an inner node one. Several
     /// geometries need leaves of one triangle at most.
     fn least_levels(&self, part: Subtree) -> u32 {
-        let full = if self.bvh.geometries == [Geometry::OPAQUE] { Reference::MAX_IN_LEAF } else { 1 };
+        let full = if self.bvh.geometries == [Geometry::OPAQUE] { Bvh::<WIDTH>::MAX_IN_LEAF } else { 1 };
         match part {
-            Subtree::Inner(node) => balanced_levels(self.counts[node as usize], full).max(1),
-            Subtree::Range { count, .. } => balanced_levels(count, full),
+            Subtree::Inner(node) => balanced_levels(self.counts[node as usize], full, WIDTH as u32).max(1),
+            Subtree::Range { count, .. } => balanced_levels(count, full, WIDTH as u32),
         }
     }
 
-    /// Splits a part into up to four, by repeatedly splitting the greatest.
+    /// Splits a part into up to `WIDTH`, by repeatedly splitting the greatest.
     fn split(&self, part: Subtree) -> Vec<Subtree> {
         let mut parts = vec![part];
-        while parts.len() < 4 {
+        while parts.len() < WIDTH {
             let divisible = parts.iter().enumerate().filter_map(|(index, part)| Some((index, self.size(*part)?)));
             let greatest = divisible.max_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
             let Some((index, _)) = greatest else { break };
@@ -435,13 +445,13 @@ fn nodes_below(tree: &Bvh2, node: u32) -> Vec<u32> {
 }
 
 /// The levels of nodes above the leaves of a balanced tree of this many triangles, of which a leaf has at most `full`.
-fn balanced_levels(triangles: u32, full: u32) -> u32 {
-    if triangles <= full { 0 } else { 1 + balanced_levels(triangles.div_ceil(4), full) }
+fn balanced_levels(triangles: u32, full: u32, width: u32) -> u32 {
+    if triangles <= full { 0 } else { 1 + balanced_levels(triangles.div_ceil(width), full, width) }
 }
 
-impl Node {
+impl<const WIDTH: usize> Node<WIDTH> {
     fn empty() -> Self {
-        Self { boxes: [aabb_of(Bounds::EMPTY); 4], children: [Reference::ROOT; 4] }
+        Self { boxes: [aabb_of(Bounds::EMPTY); WIDTH], children: [Reference::ROOT; WIDTH] }
     }
 }
 

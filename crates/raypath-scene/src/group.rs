@@ -4,7 +4,7 @@ use crate::blocks::{Blocks, BlocksError, Placed};
 use crate::mesh::{Bounds, Mesh};
 use crate::placement::Placement;
 use crate::scene::SceneError;
-use raypath_traversal::blocks::{Child, NodeKind};
+use raypath_traversal::blocks::{Child, NodeKind, children, move_children};
 use std::collections::HashMap;
 
 /// A scene in memory that others are made of.
@@ -146,8 +146,8 @@ impl Moved<'_> {
     /// Moves what a child word refers to, once, and returns its levels.
     fn levels(&mut self, word: u32, above: u32) -> Result<u32, String> {
         let child = Child::of(word, self.nodes).map_err(|problem| problem.to_string())?;
-        let (address, children) = match child {
-            Child::Node { address } => (address, 4),
+        let (address, own) = match child {
+            Child::Node { address } => (address, self.nodes.node_levels()),
             Child::Instance { address } => {
                 self.has_instances = true;
                 (address, 1)
@@ -158,19 +158,17 @@ impl Moved<'_> {
             return Ok(*levels);
         }
         if above >= raypath_traversal::LEVELS {
-            return Err(BlocksError::TooDeep { levels: above + 1 }.to_string());
+            return Err(BlocksError::TooDeep { levels: above + own }.to_string());
         }
-        let mut levels = 1;
-        for place in 0..children {
-            let at = address as usize + 4 * (self.nodes.child_word() + place);
-            let bytes = self.bytes.get(at..).and_then(|rest| rest.first_chunk()).copied();
-            let child = bytes.map(u32::from_le_bytes).ok_or_else(|| {
-                format!("a block at address {address:#x}, expected one of its {} bytes", self.bytes.len())
-            })?;
-            levels = levels.max(1 + self.levels(child, above + 1)?);
-            let moved = self.word(child).to_le_bytes();
-            self.bytes[at..][..4].copy_from_slice(&moved);
+        let bytes = self.bytes.len();
+        let missing = || format!("a block at address {address:#x}, expected one of its {bytes} bytes");
+        let block = address as usize..address as usize + self.nodes.block_bytes() as usize;
+        let mut below = 0;
+        for word in children(self.bytes.get(block.clone()).ok_or_else(missing)?, child, self.nodes) {
+            below = below.max(self.levels(word, above + own)?);
         }
+        move_children(&mut self.bytes[block], child, self.nodes, self.offset);
+        let levels = own + below;
         self.levels.insert(address, levels);
         Ok(levels)
     }

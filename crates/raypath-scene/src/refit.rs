@@ -1,10 +1,10 @@
 //! New vertices for a scene in memory whose tree stays.
 
+use crate::blocks::{BlocksError, node_bytes};
 use crate::mesh::{Bounds, Mesh};
 use raypath_ops::Aabb;
 use raypath_traversal::LEVELS;
-use raypath_traversal::blocks::quantised::BoxError;
-use raypath_traversal::blocks::{Child, InvalidChild, LeafTriangle, Node, NodeKind};
+use raypath_traversal::blocks::{Child, InvalidChild, LeafTriangle, NodeKind, children};
 use thiserror::Error;
 
 /// The reason why a scene cannot have the vertices of a mesh.
@@ -35,9 +35,9 @@ pub enum RefitError {
     /// What is not made from a mesh.
     #[error("{0} in the scene, expected triangles of one geometry")]
     Content(&'static str),
-    /// A box that has no quantised bounds.
+    /// A node that its kind does not have.
     #[error(transparent)]
-    Box(#[from] BoxError),
+    Node(#[from] BlocksError),
 }
 
 /// Puts the vertices of a mesh into the scene of this root, and fits the boxes of its tree around them. The tree was
@@ -70,22 +70,14 @@ impl Refit<'_> {
     }
 
     fn node(&mut self, address: u32, level: u32) -> Result<Bounds, RefitError> {
-        let nodes = self.nodes;
-        let block = self.block(address)?;
-        let missing = RefitError::Address { address, bytes: block.len() };
-        let mut node = match nodes {
-            NodeKind::Wide4 => Node::of(block.first_chunk().ok_or(missing)?),
-            NodeKind::Quantised => Node::of_quantised(block.first_chunk().ok_or(missing)?),
-        };
-        let mut all = Bounds::EMPTY;
-        for (aabb, word) in node.boxes.iter_mut().zip(node.children) {
-            let bounds = self.child(word, level + 1)?;
-            (*aabb, all) = (Aabb::new(bounds.min, bounds.max), all.union(bounds));
+        let (nodes, mut fitted, mut all) = (self.nodes, Vec::new(), Bounds::EMPTY);
+        for word in children(self.block(address)?, Child::Node { address }, nodes) {
+            let bounds = self.child(word, level + nodes.node_levels())?;
+            fitted.push((Aabb::new(bounds.min, bounds.max), word));
+            all = all.union(bounds);
         }
-        match nodes {
-            NodeKind::Wide4 => self.block(address)?.copy_from_slice(&node.to_bytes()),
-            NodeKind::Quantised => self.block(address)?.copy_from_slice(&node.to_quantised_bytes()?),
-        }
+        let bytes = node_bytes(&fitted, nodes)?;
+        self.block(address)?.copy_from_slice(&bytes);
         Ok(all)
     }
 

@@ -1,7 +1,7 @@
 //! A scene: a mesh with its bounding volume hierarchy.
 
 use crate::blocks::{Blocks, BlocksError};
-use crate::bvh::{Bvh4, MeshTooLarge};
+use crate::bvh::{Bvh, Bvh4, MeshTooLarge};
 use crate::group::Margins;
 use crate::mesh::{Bounds, Mesh};
 use crate::placement::Placement;
@@ -131,10 +131,11 @@ impl Scene {
         let own = self.mesh.bounds();
         let placed: Vec<_> =
             self.placed.iter().map(|(placement, pad)| (*placement, placement.bounds(own), *pad)).collect();
-        self.blocks = Some(match placed.as_slice() {
-            [] => Blocks::of(&self.bvh, nodes)?,
-            placed => Blocks::with_instances(&self.bvh, placed, nodes)?,
-        });
+        let object = match nodes {
+            NodeKind::Wide4 | NodeKind::Quantised => Blocks::of(&self.bvh, nodes)?,
+            NodeKind::Wide8 => Blocks::of(&Bvh::<8>::within(&self.mesh, Bvh::<8>::MAX_LEVELS), nodes)?,
+        };
+        self.blocks = Some(if placed.is_empty() { object } else { object.with_instances(&placed)? });
         Ok(self)
     }
 

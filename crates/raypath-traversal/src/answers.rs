@@ -1,5 +1,6 @@
 //! What jobs and the memory answer, in native binary32.
 
+use crate::blocks::wide8::{self, Half, Node8, Window};
 use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind, child_words, geometry};
 use crate::candidate::Verdict;
 use crate::fold::{After, HitLimits, fold};
@@ -119,9 +120,20 @@ impl Answers {
         nothing(answer::ERROR)
     }
 
-    /// The outcome of a node's box job, for a ray of this length.
+    /// The outcome of a node's box jobs, for a ray of this length. Of eight children, those of a window are taken.
     #[inline(always)]
-    pub fn node(&self, nodes: NodeKind, ready: &ReadyRay, extent: Num<Binary32>, block: &[u8]) -> Answer<Binary32> {
+    pub fn node(
+        &self,
+        nodes: NodeKind,
+        ready: &ReadyRay,
+        extent: Num<Binary32>,
+        block: &[u8],
+        window: u8,
+    ) -> Answer<Binary32> {
+        let test = |aabb| {
+            let input = RayBoxInput { ray: Ray { extent, ..ready.ray }, aabb };
+            self.boxes.run_with(Binary32, SimdKernels, input, ()).0
+        };
         // A block that is shorter than the memory promises is none.
         let Node { boxes, children } = match nodes {
             NodeKind::Wide4 => match block.first_chunk() {
@@ -132,9 +144,20 @@ impl Answers {
                 Some(block) => Node::of_quantised(block),
                 None => return Self::failure(),
             },
+            NodeKind::Wide8 => {
+                let Some(bytes) = block.first_chunk() else { return Self::failure() };
+                let half = |first: usize| {
+                    let outcome = test(array_of!(i => Node8::aabb(bytes, first + i)));
+                    Half { hit: outcome.is_intersect, tmin: outcome.tmin, box_index: outcome.box_index }
+                };
+                let window = Word::truncate(window.into());
+                let taken = wide8::window(Binary32, [half(0), half(4)], window);
+                let child = child_words(block, nodes).map(Word::truncate);
+                let Window { hit, tmin, box_index, box_upper } = taken;
+                return Answer { hit, tmin, box_index, box_upper, window, child, ..nothing(answer::BOXES) };
+            }
         };
-        let input = RayBoxInput { ray: Ray { extent, ..ready.ray }, aabb: boxes };
-        let (outcome, ()) = self.boxes.run_with(Binary32, SimdKernels, input, ());
+        let outcome = test(boxes);
         Answer {
             hit: outcome.is_intersect,
             tmin: [outcome.tmin[1], outcome.tmin[2], outcome.tmin[3]],
@@ -248,6 +271,8 @@ fn nothing(kind: u32) -> Answer<Binary32> {
         hit: Flags([no; 4]),
         tmin: [zero; 3],
         box_index: [Word::truncate(0); 4],
+        box_upper: Flags([no; 4]),
+        window: Word::truncate(0),
         child: [none; 4],
         closest: no_hit(),
         verdict_accepts: no,

@@ -47,12 +47,14 @@
 
 mod kind;
 pub mod quantised;
+pub mod wide8;
 
 pub use kind::{NodeKind, ParseNodeKindError};
 
 use crate::instance::INSTANCE_KIND;
 use raypath_ops::{Aabb, Binary32, Slab, Triangle, array_of};
 use thiserror::Error;
+use wide8::Node8;
 
 /// The bytes of the largest block: that of wide nodes.
 pub const BLOCK_BYTES: u32 = NodeKind::Wide4.block_bytes();
@@ -228,6 +230,34 @@ impl LeafTriangle {
             triangle: Triangle::new(vertex(0), vertex(3), vertex(6)),
             index: word(block, nodes.index_word() + place),
         }
+    }
+}
+
+/// The child words in the block of a node or of an instance.
+pub fn children(block: &[u8], of: Child, nodes: NodeKind) -> Vec<u32> {
+    match (of, nodes) {
+        (Child::Node { .. }, NodeKind::Wide8) => {
+            block.first_chunk().map_or(Vec::new(), |block| Node8::of(block).children.to_vec())
+        }
+        (Child::Node { .. }, NodeKind::Wide4 | NodeKind::Quantised) => child_words(block, nodes).to_vec(),
+        (Child::Instance { .. }, _) => child_words(block, nodes)[..1].to_vec(),
+        (Child::None | Child::Leaf { .. } | Child::Box { .. }, _) => Vec::new(),
+    }
+}
+
+/// Moves the children in the block of a node or of an instance by so many bytes.
+pub fn move_children(block: &mut [u8], of: Child, nodes: NodeKind, offset: u32) {
+    let (count, offset) = match (of, nodes) {
+        (Child::Node { .. }, NodeKind::Wide8) => (2, offset / nodes.block_bytes()),
+        (Child::Node { .. }, NodeKind::Wide4 | NodeKind::Quantised) => (4, offset),
+        (Child::Instance { .. }, _) => (1, offset),
+        (Child::None | Child::Leaf { .. } | Child::Box { .. }, _) => (0, 0),
+    };
+    for bytes in block.as_chunks_mut().0.iter_mut().skip(nodes.child_word()).take(count) {
+        let word = u32::from_le_bytes(*bytes);
+        // Of four child words 0 is none. Of two bases 0 is a block.
+        let is_none = word == 0 && count != 2;
+        *bytes = if is_none { 0 } else { word.wrapping_add(offset) }.to_le_bytes();
     }
 }
 

@@ -4,8 +4,9 @@
 //! [`step`]: crate::step::step
 
 use crate::answers::{Answers, ReadyRay};
+use crate::blocks::wide8::{self, Node8};
 use crate::blocks::{
-    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, MAX_LEAF, NODE_KIND, Node, NodeKind, VERTEX_WORDS, geometry, word,
+    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, MAX_LEAF, NODE_KIND, Node, NodeKind, VERTEX_WORDS, child_words, geometry, word,
 };
 use crate::candidate::{Candidate, Verdict};
 use crate::instance::{INSTANCE_KIND, Instance};
@@ -16,7 +17,7 @@ use crate::state::{NO_INSTANCE, status};
 use crate::step::{StepParameters, UnitFeatures, VISIT_LIMIT};
 use crate::words::LEVELS;
 use raypath_model::{NearestFirst, OneRay};
-use raypath_ops::{Rules, array_of};
+use raypath_ops::{Binary32, Rules, Word, array_of};
 
 /// The stack of a ray, and the places on its path: kept from ray to ray, because they need not be cleared.
 #[derive(Debug, Clone)]
@@ -115,10 +116,14 @@ struct TestedNode {
     children: [u32; 4],
 }
 
+/// The kinds of child words that lead to a node with eight children once more.
+const CONTINUATIONS: [u32; 2] = [wide8::CONTINUATION, wide8::CONTINUATION + 1];
+
 /// What a child word refers to.
 enum Target {
     Missing,
-    Node(u32),
+    /// The address, and with eight children the window.
+    Node(u32, u32),
     Instance(u32),
     /// The address, the number of triangles, and whether their geometry is opaque.
     Leaf(u32, u32, bool),
@@ -140,11 +145,12 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         // As in the state of a ray; `target` while it descends again.
         let (mut pending, mut base, mut target) = (0_u64, 0, None);
         let (mut instance_level, mut outer_level) = (0, 0);
-        let (mut child, mut level) = (self.ray.root, 0_u32);
+        let root = self.given(self.ray.root);
+        let (mut child, mut level) = (root, 0_u32);
         loop {
             match self.target_of(child, level) {
-                Target::Node(address) => {
-                    let TestedNode { found, children } = self.node(rules, address)?;
+                Target::Node(address, window) => {
+                    let TestedNode { found, children } = self.node(rules, address, window)?;
                     let mut place = 0;
                     let bit = 1 << level;
                     if let Some(level_to_take) = target {
@@ -209,7 +215,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                 let is_in_lost_space = self.instance.is_some() && (outer_level..instance_level).contains(&deepest);
                 if deepest < base || is_in_lost_space {
                     // The stack, or the constants in that space, are gone: the ray descends again.
-                    (base, target, child, level) = (0, Some(deepest), self.ray.root, 0);
+                    (base, target, child, level) = (0, Some(deepest), root, 0);
                     self.leave();
                     break;
                 }
@@ -242,7 +248,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         let address = child & !low;
         match child & low {
             _ if child == 0 => Target::Missing,
-            NODE_KIND if level < LEVELS => Target::Node(address),
+            NODE_KIND if level < LEVELS => Target::Node(address, 0),
             kind if (1..=last_leaf).contains(&kind) => {
                 Target::Leaf(address, (kind - 1) % MAX_LEAF + 1, kind <= MAX_LEAF)
             }
@@ -250,13 +256,16 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                 Target::Box(address, kind == BOX_KINDS[0])
             }
             INSTANCE_KIND if level < LEVELS && may_enter => Target::Instance(address),
+            kind if self.parameters.node == NodeKind::Wide8 && level < LEVELS && CONTINUATIONS.contains(&kind) => {
+                Target::Node(address, kind - wide8::CONTINUATION + 1)
+            }
             _ => Target::Invalid,
         }
     }
 
     /// The children of a node that are hit.
     #[inline(always)]
-    fn node(&mut self, rules: Rules, address: u32) -> Result<TestedNode, u32> {
+    fn node(&mut self, rules: Rules, address: u32, window: u32) -> Result<TestedNode, u32> {
         let block = self.fetch(address, 1, 0)?;
         let (found, children) = match self.parameters.node {
             NodeKind::Wide4 => {
@@ -269,8 +278,42 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                 let Node { boxes, children } = Node::of_quantised(block.first_chunk().ok_or(status::MEMORY)?);
                 (self.now.boxes(rules, array_of!(i => &boxes[i])), children)
             }
+            NodeKind::Wide8 => return self.eight(rules, address, window, block),
         };
         Ok(TestedNode { found: found.nearest_first(), children })
+    }
+
+    /// The children of a window of a node with eight.
+    #[inline(always)]
+    fn eight(&self, rules: Rules, address: u32, window: u32, block: &[u8]) -> Result<TestedNode, u32> {
+        let bytes = block.first_chunk().ok_or(status::MEMORY)?;
+        let boxes: [_; wide8::CHILDREN] = array_of!(i => Node8::aabb(bytes, i));
+        let halves = [0, 4].map(|first| self.now.boxes(rules, array_of!(i => &boxes[first + i])));
+        // Distances are not negative, so they have the order of their bits.
+        let mut keys: [u64; wide8::CHILDREN] = array_of!(i => {
+            let (half, place) = (&halves[i / 4], i % 4);
+            let key = u64::from(half.tmin[place].to_bits()) << 3 | i as u64;
+            if half.hits >> place & 1 == 1 { key } else { u64::MAX }
+        });
+        keys.sort_unstable();
+        let first = (wide8::WINDOW * window) as usize;
+        let count = keys.iter().skip(first).filter(|key| **key != u64::MAX).count().min(4) as u32;
+        let key = |place: usize| keys.get(first + place).copied().unwrap_or(u64::MAX);
+        let words = child_words(block, NodeKind::Wide8).map(Word::truncate);
+        let children = array_of!(place => match place {
+            3 => address | (wide8::CONTINUATION + window),
+            _ => wide8::child(Binary32, words, Word::truncate((key(place) & 7) as u32)).value,
+        });
+        let tmin = array_of!(place => f32::from_bits((key(place) >> 3) as u32));
+        Ok(TestedNode { found: NearestFirst { count, index: [0, 1, 2, 3], tmin }, children })
+    }
+
+    /// A child word that does not come from a node.
+    fn given(&self, word: u32) -> u32 {
+        match self.parameters.node {
+            NodeKind::Wide8 => wide8::given(Binary32, Word::truncate(word)).value,
+            NodeKind::Wide4 | NodeKind::Quantised => word,
+        }
     }
 
     /// Tests the triangles of a leaf. Returns whether the ray ends with their hit.
@@ -446,7 +489,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         self.here = inside;
         self.now.set_extent(self.extent);
         self.instance = Some(instance);
-        Ok(Some(instance.root))
+        Ok(Some(self.given(instance.root)))
     }
 
     /// Leaves the instance, if the ray is in one.

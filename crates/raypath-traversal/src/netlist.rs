@@ -1,6 +1,6 @@
 //! Hardware from a step: a circuit whose values are wires of a module.
 
-use crate::step::UnitFeatures;
+use crate::step::StepParameters;
 use crate::words::WordCircuit;
 use raypath_hdl::{Builder, Wire};
 use raypath_ops::{Bit, Bundle, Circuit, Field, Narrowing, Num, Path, Relation, Sink, Source, Test};
@@ -238,8 +238,8 @@ pub fn inputs<'m, B: Bundle<Netlist<'m>>>(builder: &'m Builder, name: &str) -> B
 }
 
 /// A bundle of the inputs `<name>_<field>_i` of a module. Fields that the features do not have are 0.
-pub fn inputs_with<'m, B: Bundle<Netlist<'m>>>(builder: &'m Builder, name: &str, features: UnitFeatures) -> B {
-    from_wires(builder, name, |field, width| match features.has(field) {
+pub fn inputs_with<'m, B: Bundle<Netlist<'m>>>(builder: &'m Builder, name: &str, step: StepParameters) -> B {
+    from_wires(builder, name, |field, width| match step.has(field) {
         true => builder.input(&format!("{field}_i"), width),
         false => builder.constant(width, 0),
     })
@@ -263,14 +263,14 @@ pub fn wires<'m>(name: &str, bundle: &impl Bundle<Netlist<'m>>) -> Vec<(String, 
 pub fn wires_with<'m>(
     name: &str,
     bundle: &impl Bundle<Netlist<'m>>,
-    features: UnitFeatures,
+    step: StepParameters,
 ) -> impl Iterator<Item = (String, Wire<'m>)> {
-    wires(name, bundle).into_iter().filter(move |(port, _)| features.has(port))
+    wires(name, bundle).into_iter().filter(move |(port, _)| step.has(port))
 }
 
 /// Adds the outputs `<name>_<field>_o` for the ports of a bundle that the features have.
-pub fn outputs_with<'m>(builder: &'m Builder, name: &str, bundle: &impl Bundle<Netlist<'m>>, features: UnitFeatures) {
-    for (port, wire) in wires_with(name, bundle, features) {
+pub fn outputs_with<'m>(builder: &'m Builder, name: &str, bundle: &impl Bundle<Netlist<'m>>, step: StepParameters) {
+    for (port, wire) in wires_with(name, bundle, step) {
         builder.output(&format!("{port}_o"), wire);
     }
 }

@@ -202,7 +202,12 @@ bundle! {
         pub tmin: [Num<C>; 3],
         /// Of a box job: the number of the child at each place.
         pub box_index: [Word<C, 2>; 4],
-        /// Of a box job: the child words in the order of their numbers.
+        /// Of the jobs of a node with eight children: the upper bit of the number of the child at each place. That at
+        /// place 3 stands for all after it.
+        pub box_upper: Flags<C, 4>,
+        /// Of these jobs: which children are at these places, see [`Request::window`].
+        pub window: Word<C, 2>,
+        /// Of a box job: the child words in the order of their numbers, or what a node with eight children has of them.
         pub child: [Word<C, 32>; 4],
         /// Of the triangle jobs of a block: the closest hit. With a verdict, the candidate; a box has the user's distance.
         pub closest: TriangleHit<C>,
@@ -220,6 +225,9 @@ bundle! {
         pub address: Word<C, 32>,
         /// To fetch: the number of triangles in the block; 0 for a node, 2 for an instance: the number of its jobs.
         pub count: Word<C, 2>,
+        /// To fetch a node with eight children: 0 for the nearest three of those that are hit, 1 for the next three,
+        /// 2 for the last two.
+        pub window: Word<C, 2>,
         /// To fetch: the block is that of an instance.
         pub is_instance: Bit<C>,
         /// An entry of the stack is written.

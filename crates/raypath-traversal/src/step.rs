@@ -17,7 +17,7 @@
 //! at the root. With nested instances, the constants are those in the innermost: if the child is in an instance that is
 //! neither the innermost nor none, the ray descends again from the root, which enters it again.
 
-use crate::blocks::{BOX_KINDS, MAX_LEAF, NODE_KIND, NodeKind};
+use crate::blocks::{BOX_KINDS, MAX_LEAF, NODE_KIND, NodeKind, wide8};
 use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
 use crate::query::{Front, InstanceFlags, InstanceWords, Queries};
 use crate::state::{Answer, Group, RayState, Request, answer, request, status};
@@ -59,6 +59,24 @@ impl Default for StepParameters {
     }
 }
 
+impl StepParameters {
+    /// Whether the hardware has a field of the state, of an answer, of a request or of a hit, by a part of its name.
+    pub(crate) fn has(self, field: &str) -> bool {
+        (self.node == NodeKind::Wide8 || !["box_upper", "window"].iter().any(|part| field.contains(part)))
+            && self.features.has(field)
+    }
+
+    /// Whether the boxes of nodes are decoded.
+    pub(crate) fn has_decoder(self) -> bool {
+        self.node != NodeKind::Wide4
+    }
+
+    /// Whether a block can have several jobs.
+    pub(crate) fn has_places(self) -> bool {
+        self.node != NodeKind::Quantised || self.features.instances
+    }
+}
+
 impl UnitFeatures {
     /// No optional parts.
     pub const OFF: Self =
@@ -74,7 +92,7 @@ impl UnitFeatures {
         self.queries == Queries::Full
     }
 
-    /// Whether the hardware has a field of the state, of an answer, of a request or of a hit, by a part of its name.
+    /// Whether these features need a field, by a part of its name.
     pub(crate) fn has(self, field: &str) -> bool {
         let is_one_of = |parts: &[&str]| parts.iter().any(|part| field.contains(part));
         (self.barycentrics || !is_one_of(&["u_num", "v_num"]))
@@ -191,7 +209,7 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     let at_target = same(state.level, state.target);
     let along: Word<C, 3> = place_of(c, &state, state.level).widened();
     let first = state.restarting.select(at_target.select(along.plus_constant(1), along), c.word(0));
-    let chosen = from_place(c, &answer, first);
+    let chosen = from_place(c, &answer, first, |item| child_of(c, parameters.node, &state, &answer, item));
     let descends = (has_boxes & chosen.hit) | enters;
     let is_lost = has_boxes & !chosen.hit & state.restarting;
 
@@ -225,7 +243,7 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
         deepest,
         parent,
         place,
-        child: enters.select(root, chosen.child),
+        child: enters.select(given(c, parameters.node, root), chosen.child),
         rest: Group { present: Flags(array_of!(i => chosen.rest.present.0[i] & !enters)), ..chosen.rest },
         state: RayState {
             inside: state.inside | enters,
@@ -267,7 +285,7 @@ pub fn finish<C: WordCircuit>(
 
     let at_root = starts | restarts;
     let visits = at_root | descends | takes;
-    let child = at_root.select(state.root, descends.select(half.child, top.child[0]));
+    let child = at_root.select(given(c, parameters.node, state.root), descends.select(half.child, top.child[0]));
     let level = at_root.select(c.word(0), parent.plus_constant(1));
     let leaves_instance = at_root | (takes & parent.less(state.instance_level));
     let inside = state.inside & !leaves_instance;
@@ -289,6 +307,8 @@ pub fn finish<C: WordCircuit>(
     let full = parameters.node.triangles_per_block();
     let count = left.less(c.word(full)).select(left.part::<0, 2>(), c.word(full));
     let address = leaf_continues.select(state.leaf_address, target.address);
+    // A node with eight children may be visited once more.
+    let keeps_address = if parameters.node == NodeKind::Wide8 { fetches_leaf | fetches_node } else { fetches_leaf };
 
     let is_over_limit = !(state.nodes.less(c.word(VISIT_LIMIT)) & state.triangles.less(c.word(VISIT_LIMIT)));
     let is_over_limit = (fetches_node | fetches_instance | fetches_leaf) & is_over_limit;
@@ -316,7 +336,7 @@ pub fn finish<C: WordCircuit>(
         target: restarts.select(deepest, state.target),
         nodes: (fetches_node | fetches_instance).select(state.nodes.plus_constant(1), state.nodes),
         triangles: fetches_leaf.select(state.triangles.plus(count.widened()), state.triangles),
-        leaf_address: fetches_leaf.select(address, state.leaf_address),
+        leaf_address: keeps_address.select(address, state.leaf_address),
         leaf_left: fetches_leaf.select(left, state.leaf_left),
         leaf_is_opaque: begins_leaf.select(is_opaque, state.leaf_is_opaque),
         leaf_is_box: begins_leaf.select(target.is_box, state.leaf_is_box),
@@ -341,6 +361,7 @@ pub fn finish<C: WordCircuit>(
         kind,
         address,
         count: fetches_node.select(c.word(0), fetches_instance.select(c.word(INSTANCE_JOBS), count)),
+        window: target.window,
         is_instance: fetches_instance,
         writes,
         level: parent,
@@ -445,16 +466,66 @@ struct Chosen<C: WordCircuit> {
     rest: Group<C>,
 }
 
+/// The number of a child of a node.
+#[derive(Clone, Copy)]
+struct Item<C: WordCircuit> {
+    index: Word<C, 2>,
+    /// With eight children: the upper bit of the number.
+    upper: Bit<C>,
+    /// With eight children: it stands for those after it.
+    continues: Bit<C>,
+}
+
+impl<C: WordCircuit> Select<C> for Item<C> {
+    #[inline(always)]
+    fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
+        Self {
+            index: condition.select(if_true.index, if_false.index),
+            upper: condition.select(if_true.upper, if_false.upper),
+            continues: condition.select(if_true.continues, if_false.continues),
+        }
+    }
+}
+
+/// The child word of a child of a node.
+#[inline(always)]
+fn child_of<C: WordCircuit>(
+    c: C,
+    node: NodeKind,
+    state: &RayState<C>,
+    answer: &Answer<C>,
+    Item { index, upper, continues }: Item<C>,
+) -> Word<C, 32> {
+    if node != NodeKind::Wide8 {
+        return numbered(answer.child, index);
+    }
+    let number = Word::new(c, c.word_join((1, c.word_of_bit(upper.value)), (2, index.value)));
+    let once_more = wide8::continuation(c, state.leaf_address, answer.window);
+    continues.select(once_more, wide8::child(c, answer.child, number))
+}
+
+/// A child word that does not come from a node.
+#[inline(always)]
+fn given<C: WordCircuit>(c: C, node: NodeKind, word: Word<C, 32>) -> Word<C, 32> {
+    if node == NodeKind::Wide8 { wide8::given(c, word) } else { word }
+}
+
 /// The child at a place, 0 to 4, of the order of a box job, and those at the places after it. There is none at place 4.
 #[inline(always)]
-fn from_place<C: WordCircuit>(c: C, answer: &Answer<C>, place: Word<C, 3>) -> Chosen<C> {
+fn from_place<C: WordCircuit>(
+    c: C,
+    answer: &Answer<C>,
+    place: Word<C, 3>,
+    child: impl Fn(Item<C>) -> Word<C, 32>,
+) -> Chosen<C> {
     let [one, two, four] = [place.part::<0, 1>(), place.part::<1, 1>(), place.part::<2, 1>()].map(|bit| bit.is(1));
     let number = place.part::<0, 2>();
     let no = c.bit(false);
     let Flags([a, b, d, e]) = answer.hit;
-    let [w, x, y, z] = answer.box_index;
+    let [w, x, y, z] = array_of!(i => {
+        Item { index: answer.box_index[i], upper: answer.box_upper.0[i], continues: c.bit(i == 3) }
+    });
     let [t, u, v] = answer.tmin;
-    let child = |number| numbered(answer.child, number);
     Chosen {
         hit: !four & numbered([a, b, d, e], number),
         child: child(numbered([w, x, y, z], number)),
@@ -490,6 +561,8 @@ struct Target<C: WordCircuit> {
     /// The leaf is a procedural box.
     is_box: Bit<C>,
     address: Word<C, 32>,
+    /// Of a node with eight children: see [`Request::window`].
+    window: Word<C, 2>,
     /// The number of triangles of a leaf.
     count: Word<C, 4>,
 }
@@ -504,7 +577,7 @@ impl<C: WordCircuit> Target<C> {
         let low = node.offset_bits();
         let part = |low, width| c.word_part(child.value, low, width);
         let kind: Word<C, 7> = match node {
-            NodeKind::Wide4 => child.part::<0, 7>(),
+            NodeKind::Wide4 | NodeKind::Wide8 => child.part::<0, 7>(),
             NodeKind::Quantised => child.part::<0, 6>().widened(),
         };
         let fits = level.less(c.word(LEVELS));
@@ -519,14 +592,22 @@ impl<C: WordCircuit> Target<C> {
         let count = if features.has_flags() { lowest } else { child.part::<0, 4>() };
         let address = Word::new(c, c.word_join((32 - low, part(low, 32 - low)), (low, c.constant_word(low, 0))));
         let is_instance = fits & kind.is(INSTANCE_KIND);
+        let mut is_node = kind.is(NODE_KIND);
+        let mut window = c.word(0);
+        if node == NodeKind::Wide8 {
+            let continues = [wide8::CONTINUATION, wide8::CONTINUATION + 1].map(|known| kind.is(known));
+            is_node = is_node | continues[0] | continues[1];
+            window = kind.part::<6, 1>().is(1).select(kind.part::<0, 2>(), window);
+        }
         Self {
             is_missing: child.is(0),
-            is_node: fits & kind.is(NODE_KIND),
+            is_node: fits & is_node,
             is_leaf: is_triangles | is_box,
             is_instance,
             is_opaque,
             is_box,
             address,
+            window,
             count,
         }
     }

@@ -34,6 +34,8 @@ pub(crate) struct Asked {
     pub kind: AskedKind,
     /// Of a block: the number of its triangles; 0 for a node, 2 for an instance.
     pub count: u8,
+    /// Of a block of eight children: see [`Request::window`].
+    pub window: u8,
     /// Of a block: it is an instance's.
     pub is_instance: bool,
     /// The ray descends again from the root.
@@ -116,7 +118,7 @@ impl Walk {
                 self.advance(parameters, Answers::enter(parameters.node, &self.inside, bytes))
             }
             Ok(bytes) if block.count == 0 => {
-                self.advance(parameters, answers.node(parameters.node, ready, self.state.extent, bytes))
+                self.advance(parameters, answers.node(parameters.node, ready, self.state.extent, bytes, block.window))
             }
             Ok(bytes) => {
                 let answer = answers.leaf(parameters.node, ready, self.limits, bytes, block.count.into());
@@ -185,7 +187,7 @@ impl Walk {
     }
 }
 
-state! { Asked { kind, count, is_instance, restarts, address } }
+state! { Asked { kind, count, window, is_instance, restarts, address } }
 
 impl State for AskedKind {
     fn pass(&mut self, words: &mut StateWords<'_>) {
@@ -218,7 +220,7 @@ impl AskedKind {
 impl Asked {
     /// Nothing.
     pub const NOTHING: Self =
-        Self { kind: AskedKind::Nothing, count: 0, is_instance: false, restarts: false, address: 0 };
+        Self { kind: AskedKind::Nothing, count: 0, window: 0, is_instance: false, restarts: false, address: 0 };
 
     /// What a request asks for.
     #[inline(always)]
@@ -229,7 +231,8 @@ impl Asked {
             request::CANDIDATE => AskedKind::Verdict,
             _ => AskedKind::Nothing,
         };
-        let (count, is_instance) = (asked.count.value as u8, asked.is_instance.into());
-        Self { kind, count, is_instance, restarts: false, address: asked.address.value }
+        let (count, window, is_instance) =
+            (asked.count.value as u8, asked.window.value as u8, asked.is_instance.into());
+        Self { kind, count, window, is_instance, restarts: false, address: asked.address.value }
     }
 }

@@ -16,7 +16,7 @@ fn rays_take_the_way_of_the_steps() {
     let (mut ends, mut rereads, mut candidates) = ([0; 7], 0, 0);
     for seed in 0..120 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let node = NodeKind::ALL[random.random_range(0..2)];
+        let node = NodeKind::ALL[random.random_range(0..3)];
         let (scene, root, features) = match random.random_range(0..6) {
             0 => {
                 let scene = TwoLevelScene::random(node, 20, true, &mut random);

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_ops::{EdgeRule, Rounding, Rules};
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Options, Sources, Verilated};
-use raypath_traversal::blocks::NodeKind::{Quantised, Wide4};
+use raypath_traversal::blocks::NodeKind::{Quantised, Wide4, Wide8};
 use raypath_traversal::state::status;
 use raypath_traversal::traffic::{
     Behaviour, BlockScene, Environment, RecordedCycle, RecordedEngine, TwoLevelScene, random_ray, verdict_of,
@@ -70,6 +70,8 @@ fn the_model_equals_the_netlist_in_every_cycle() {
             Control::Credit,
         ),
         (7, (64, 8, Wide4, EVERYTHING, 1024, 16, 11), Control::Skid),
+        (8, (12, 2, Wide8, NOTHING, 256, 64, 11), Control::Credit),
+        (9, (64, 4, Wide8, EVERYTHING, 1024, 16, 4), Control::Skid),
     ] {
         let front = [Front::CounterClockwise, Front::Clockwise][seed as usize % 2];
         let step = StepParameters { stack, node, front, features };

@@ -12,21 +12,23 @@ pub enum NodeKind {
     Wide4,
     /// Four boxes of 8 bits a bound, in blocks of 64 bytes.
     Quantised,
+    /// Eight boxes of 8 bits a bound, in blocks of 128 bytes: see [`wide8`](super::wide8).
+    Wide8,
 }
 
 /// The error of a name that is none of a kind of nodes.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("nodes '{0}', expected wide4 or quantised")]
+#[error("nodes '{0}', expected wide4, quantised or wide8")]
 pub struct ParseNodeKindError(pub String);
 
 impl NodeKind {
     /// All kinds.
-    pub const ALL: [Self; 2] = [Self::Wide4, Self::Quantised];
+    pub const ALL: [Self; 3] = [Self::Wide4, Self::Quantised, Self::Wide8];
 
     /// The bytes of a block.
     pub const fn block_bytes(self) -> u32 {
         match self {
-            Self::Wide4 => 128,
+            Self::Wide4 | Self::Wide8 => 128,
             Self::Quantised => 64,
         }
     }
@@ -39,8 +41,24 @@ impl NodeKind {
     /// The triangles of a full block of a leaf.
     pub const fn triangles_per_block(self) -> u32 {
         match self {
-            Self::Wide4 => 3,
+            Self::Wide4 | Self::Wide8 => 3,
             Self::Quantised => 1,
+        }
+    }
+
+    /// The most children of a node.
+    pub const fn children(self) -> usize {
+        match self {
+            Self::Wide4 | Self::Quantised => 4,
+            Self::Wide8 => 8,
+        }
+    }
+
+    /// The levels that a node takes at most of the [`LEVELS`](crate::LEVELS) of the unit.
+    pub const fn node_levels(self) -> u32 {
+        match self {
+            Self::Wide4 | Self::Quantised => 1,
+            Self::Wide8 => (self.children() as u32).div_ceil(super::wide8::WINDOW),
         }
     }
 
@@ -49,11 +67,13 @@ impl NodeKind {
         count.div_ceil(self.triangles_per_block())
     }
 
-    /// The word of a node's block with its first child word.
+    /// The word of a node's block with the first of the four that tell its children: child words, or with wide8 two
+    /// bases and eight bytes.
     pub const fn child_word(self) -> usize {
         match self {
             Self::Wide4 => 24,
             Self::Quantised => 10,
+            Self::Wide8 => 4,
         }
     }
 
@@ -65,7 +85,7 @@ impl NodeKind {
     /// The word of a leaf's block with the index of its geometry.
     pub const fn geometry_word(self) -> usize {
         match self {
-            Self::Wide4 => 27,
+            Self::Wide4 | Self::Wide8 => 27,
             Self::Quantised => 10,
         }
     }
@@ -73,7 +93,7 @@ impl NodeKind {
     /// The word of a leaf's block with the index of its first triangle.
     pub const fn index_word(self) -> usize {
         match self {
-            Self::Wide4 => 28,
+            Self::Wide4 | Self::Wide8 => 28,
             Self::Quantised => 9,
         }
     }
@@ -84,6 +104,7 @@ impl fmt::Display for NodeKind {
         f.write_str(match self {
             Self::Wide4 => "wide4",
             Self::Quantised => "quantised",
+            Self::Wide8 => "wide8",
         })
     }
 }

@@ -102,33 +102,59 @@ impl Node {
         let Self { boxes, children } = self;
         let exist = children.map(|child| bool::from(exists(Word::<Binary32, 32>::truncate(child))));
         for axis in 0..3 {
-            let slab = |child: usize| (child, bounds(&boxes[child])[axis], bounds(&boxes[child])[axis + 3]);
-            let slabs = || (0..4).filter(|child| exist[*child]).map(slab);
-            let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
-            for (child, min, max) in slabs() {
-                if !(min.is_finite() && max.is_finite() && min <= max) {
-                    return Err(BoxError { child, axis, min, max });
-                }
-                (least, greatest) = (least.min(min), greatest.max(max));
-            }
-            if least > greatest {
-                continue;
-            }
-            let found = Scale::of(least, greatest);
-            let farthest = || slabs().max_by(|a, b| a.2.abs().max(a.1.abs()).total_cmp(&b.2.abs().max(b.1.abs())));
-            let error = || farthest().map(|(child, min, max)| BoxError { child, axis, min, max });
-            let Some(scale) = found else { return error().map_or(Ok(block), Err) };
-            block[4 * axis..][..4].copy_from_slice(&scale.base.to_le_bytes());
-            block[12 + axis] = scale.exponent;
-            for (child, min, max) in slabs() {
+            let Some(Contained { base, exponent, bounds }) = contain(boxes, &exist, axis, addend)? else { continue };
+            block[4 * axis..][..4].copy_from_slice(&base.to_le_bytes());
+            block[12 + axis] = exponent;
+            for (child, [min, max]) in bounds.into_iter().enumerate().take(boxes.len()) {
                 let place = FIRST_BOUND + BOX_WORDS * child + axis;
-                (block[place], block[place + 3]) = (scale.greatest_at_most(min), scale.least_at_least(max));
+                (block[place], block[place + 3]) = (min, max);
             }
         }
         let words = block[4 * NodeKind::Quantised.child_word()..].as_chunks_mut().0;
         words.iter_mut().zip(children).for_each(|(bytes, child)| *bytes = child.to_le_bytes());
         Ok(block)
     }
+}
+
+/// The bounds of up to eight boxes along an axis.
+pub(super) struct Contained {
+    pub base: f32,
+    pub exponent: u8,
+    /// The lesser and the greater bound of each box; 0 for one that does not exist.
+    pub bounds: [[u8; 2]; 8],
+}
+
+/// The addend of a bound: of a power of two, and the 8 bits of the bound.
+pub(super) type Addend = fn(f32, u32) -> f32;
+
+/// The bounds with the least exponent that contain the boxes that exist along an axis; none if none exists.
+pub(super) fn contain(
+    boxes: &[Aabb<Binary32>],
+    exist: &[bool],
+    axis: usize,
+    addend: Addend,
+) -> Result<Option<Contained>, BoxError> {
+    let slab = |child: usize| (child, bounds(&boxes[child])[axis], bounds(&boxes[child])[axis + 3]);
+    let slabs = || (0..boxes.len()).filter(|child| exist[*child]).map(slab);
+    let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
+    for (child, min, max) in slabs() {
+        if !(min.is_finite() && max.is_finite() && min <= max) {
+            return Err(BoxError { child, axis, min, max });
+        }
+        (least, greatest) = (least.min(min), greatest.max(max));
+    }
+    if least > greatest {
+        return Ok(None);
+    }
+    let farthest = || slabs().max_by(|a, b| a.2.abs().max(a.1.abs()).total_cmp(&b.2.abs().max(b.1.abs())));
+    let Some(scale) = Scale::of(least, greatest, addend) else {
+        return farthest().map_or(Ok(None), |(child, min, max)| Err(BoxError { child, axis, min, max }));
+    };
+    let mut bounds = [[0; 2]; 8];
+    for (child, min, max) in slabs() {
+        bounds[child] = [scale.greatest_at_most(min), scale.least_at_least(max)];
+    }
+    Ok(Some(Contained { base: scale.base, exponent: scale.exponent, bounds }))
 }
 
 /// The error of a box that no quantised node can contain.
@@ -153,25 +179,25 @@ pub struct BoxError {
 struct Scale {
     base: f32,
     exponent: u8,
+    addend: Addend,
 }
 
 impl Scale {
     /// The scale with the least exponent by which bounds from `least` to `greatest` can be contained.
-    fn of(least: f32, greatest: f32) -> Option<Self> {
+    fn of(least: f32, greatest: f32, addend: Addend) -> Option<Self> {
         let extent = f64::from(greatest) - f64::from(least);
-        // 255 steps of this exponent are less than the extent, if it is normal.
-        let first = ((extent.to_bits() >> 52) as i32 - 1023 + 127).clamp(1, 254) as u8;
+        // 255 steps of this exponent are less than the extent, if it is normal, whatever the addend.
+        let first = ((extent.to_bits() >> 52) as i32 - 1023 + 127 - 8).clamp(1, 254) as u8;
         (first..=254).find_map(|exponent| {
-            let power = f32::from_bits(u32::from(exponent) << 23);
-            let nearest = Self { base: least - power, exponent };
-            let lower = Self { base: nearest.base.next_down(), exponent };
+            let nearest = Self { base: least - addend(power(exponent), 0), exponent, addend };
+            let lower = Self { base: nearest.base.next_down(), ..nearest };
             let fits = |scale: &Self| scale.bound(0) <= least && scale.bound(255) >= greatest && scale.base.is_finite();
             [nearest, lower].into_iter().find(fits)
         })
     }
 
     fn bound(self, q: u8) -> f32 {
-        self.base + addend(f32::from_bits(u32::from(self.exponent) << 23), q.into())
+        self.base + (self.addend)(power(self.exponent), q.into())
     }
 
     /// The greatest bound that is at most `min`. Bound 0 is.
@@ -183,6 +209,11 @@ impl Scale {
     fn least_at_least(self, max: f32) -> u8 {
         (0..8).rev().map(|bit| 1 << bit).fold(255, |q, bit| if self.bound(q & !bit) >= max { q & !bit } else { q })
     }
+}
+
+/// The number with this biased exponent and without a fraction.
+pub(super) fn power(exponent: u8) -> f32 {
+    f32::from_bits(u32::from(exponent) << 23)
 }
 
 /// The addend with these leading bits of its fraction.

@@ -93,7 +93,8 @@ state! {
 
 impl State for Kind {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        words.one_of(self, &[Self::Node, Self::Triangle, Self::LastTriangle, Self::Origin, Self::Direction]);
+        words
+            .one_of(self, &[Self::Node, Self::Triangle, Self::LastTriangle, Self::Origin, Self::Direction, Self::Half]);
     }
 }
 
@@ -226,13 +227,6 @@ impl<T: Copy + Default> Line<T> {
         self.items.first()
     }
 
-    /// Replaces the item that is [`first`](Self::first), if `replaces`.
-    #[inline]
-    pub fn replace_first_if(&mut self, item: T, replaces: bool) {
-        let place = self.items.left as usize % 256;
-        self.items.items[place] = if replaces { item } else { self.items.items[place] };
-    }
-
     /// The item in the last stage.
     #[inline]
     pub fn front(&self) -> Option<T> {
@@ -340,7 +334,8 @@ pub struct Job {
     pub kind: Kind,
 }
 
-/// The kinds of jobs. An instance has a job for the ray's origin and one for its direction.
+/// The kinds of jobs. An instance has a job for the ray's origin and one for its direction, and a node with eight
+/// children one for its first half and one that is as that of any node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kind {
     #[default]
@@ -349,17 +344,18 @@ pub enum Kind {
     LastTriangle,
     Origin,
     Direction,
+    Half,
 }
 
 impl Kind {
     /// The number of kinds.
-    pub const COUNT: usize = 5;
+    pub const COUNT: usize = 6;
 
     /// The opcode in the datapath.
     #[inline]
     pub fn opcode(self) -> u64 {
         match self {
-            Self::Node => JobKind::Quadbox.opcode(),
+            Self::Node | Self::Half => JobKind::Quadbox.opcode(),
             Self::Triangle | Self::LastTriangle => JobKind::Triangle.opcode(),
             Self::Origin | Self::Direction => TRANSFORM_OPCODE,
         }
@@ -367,17 +363,31 @@ impl Kind {
 
     /// The kind of the first job of a block.
     #[inline]
-    pub fn first(asked: Asked) -> Self {
+    pub fn first(asked: Asked, has_eight: bool) -> Self {
         // The number of jobs is 0 to 3, where 0 is a node.
-        const OF_BLOCK: [Kind; 4] = [Kind::Node, Kind::LastTriangle, Kind::Triangle, Kind::Triangle];
-        if asked.is_instance { Self::Origin } else { OF_BLOCK[usize::from(asked.count) % OF_BLOCK.len()] }
+        const OF_BLOCK: [Kind; 8] = [
+            Kind::Node,
+            Kind::LastTriangle,
+            Kind::Triangle,
+            Kind::Triangle,
+            Kind::Half,
+            Kind::LastTriangle,
+            Kind::Triangle,
+            Kind::Triangle,
+        ];
+        let place = usize::from(asked.count) % 4 + 4 * usize::from(has_eight);
+        if asked.is_instance { Self::Origin } else { OF_BLOCK[place] }
     }
 
     /// The kind of the job after one of this kind, which is the last of its block if `is_last`.
     #[inline]
     pub fn next(self, is_last: bool) -> Self {
         const AFTER_TRIANGLE: [Kind; 2] = [Kind::Triangle, Kind::LastTriangle];
-        if self == Self::Origin { Self::Direction } else { AFTER_TRIANGLE[usize::from(is_last)] }
+        match self {
+            Self::Origin => Self::Direction,
+            Self::Half => Self::Node,
+            _ => AFTER_TRIANGLE[usize::from(is_last)],
+        }
     }
 
     /// Whether it is a job of a triangle.
@@ -390,6 +400,7 @@ impl Kind {
     #[inline]
     pub fn is_taken(self, takes_triangle: bool, takes_direction: bool) -> bool {
         let taken = 1 << Self::Node as u32
+            | 1 << Self::Half as u32
             | 1 << Self::Origin as u32
             | u32::from(takes_triangle) << Self::Triangle as u32
             | u32::from(takes_triangle) << Self::LastTriangle as u32

@@ -29,7 +29,7 @@ pub struct Timing {
     offer: Job,
     has_offer: bool,
     following: u32,
-    /// With quantised nodes: the jobs of blocks whose boxes are decoded.
+    /// With compressed nodes: the jobs of blocks whose boxes are decoded.
     decoder: Option<Line<Job>>,
     flow: Flow,
     /// The jobs in the datapath.
@@ -148,7 +148,7 @@ impl Timing {
             offer: Job::default(),
             has_offer: false,
             following: 0,
-            decoder: (parameters.step.node == NodeKind::Quantised).then(|| Line::new(DECODER_LATENCY)),
+            decoder: parameters.step.has_decoder().then(|| Line::new(DECODER_LATENCY)),
             flow: Flow::new(shape),
             jobs: Ring::new(),
             operands: Job::default(),
@@ -175,7 +175,7 @@ impl Timing {
         let jobs = |kinds: [Kind; 2]| kinds.map(|kind| self.offered[kind as usize]).into_iter().sum();
         UnitCounts {
             cycles: self.cycles,
-            boxes: self.offered[Kind::Node as usize],
+            boxes: jobs([Kind::Half, Kind::Node]),
             triangles: jobs([Kind::Triangle, Kind::LastTriangle]),
             transforms: jobs([Kind::Origin, Kind::Direction]),
             steps: self.asked.iter().sum(),
@@ -443,10 +443,7 @@ impl Timing {
         let issues = match &mut self.decoder {
             None => leaves,
             Some(decoder) => {
-                // An instance leaves twice.
-                let stays = leaves & (ready.kind == Kind::Origin);
-                decoder.replace_first_if(Job { kind: Kind::Direction, ..ready }, stays);
-                let advances = (leaves & !stays) | !has_ready;
+                let advances = leaves | !has_ready;
                 if advances {
                     decoder.advance(self.has_offer.then_some(self.offer));
                 }
@@ -471,8 +468,10 @@ impl Timing {
         if fails {
             self.queues.put(FAULT, context);
         }
-        self.offer = select_unpredictable(begins, Job { context, kind: Kind::first(asked) }, self.offer);
-        let following = if self.decoder.is_some() { 0 } else { u32::from(asked.count).saturating_sub(1) };
+        let has_eight = self.parameters.step.node == NodeKind::Wide8;
+        self.offer = select_unpredictable(begins, Job { context, kind: Kind::first(asked, has_eight) }, self.offer);
+        let jobs = if asked.count == 0 { 1 + u32::from(has_eight) } else { asked.count.into() };
+        let following = jobs - 1;
         self.following = select_unpredictable(begins, following, self.following);
         self.has_offer |= begins & !fails;
         self.queues.push_if(ARRIVALS, arrived.unwrap_or_default(), arrived.is_some());

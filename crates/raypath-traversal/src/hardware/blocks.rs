@@ -16,14 +16,14 @@ pub const JOB_WORDS: usize = VERTEX_WORDS * NodeKind::Wide4.triangles_per_block(
 /// The words of a block that its jobs need, in order: of quantised nodes those with bounds, and those of a matrix.
 pub fn job_words(StepParameters { node, features, .. }: StepParameters) -> Vec<usize> {
     match node {
-        NodeKind::Wide4 => (0..JOB_WORDS).collect(),
+        NodeKind::Wide4 | NodeKind::Wide8 => (0..JOB_WORDS).collect(),
         NodeKind::Quantised if features.instances => (0..MATRIX_WORDS).map(|number| node.matrix_word(number)).collect(),
         NodeKind::Quantised => (0..quantised::WORDS).collect(),
     }
 }
 
 /// The numbers of a matrix.
-const MATRIX_WORDS: usize = 12;
+pub const MATRIX_WORDS: usize = 12;
 
 /// The module `raypath_unit_blocks`, which keeps a block for each context. It takes a beat in every cycle.
 ///
@@ -82,13 +82,20 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let whole = |from: usize, count: usize| (from..from + count).map(column).collect::<Vec<_>>();
     let (child_word, index_word) = (nodes.child_word(), nodes.index_word());
     let exist = |child: usize| {
-        let (word, c) = (child_word + child, Netlist(m));
-        let exists = quantised::exists(Word::new(c, Value(data(word)))).value.0;
+        let (word, exists) = match nodes {
+            NodeKind::Wide8 => {
+                let (word, byte) = (child_word + 2 + child / 4, 8 * (child as u32 % 4));
+                (word, data(word).bits(byte + 7, byte).any())
+            }
+            _ => {
+                (child_word + child, quantised::exists(Word::new(Netlist(m), Value(data(child_word + child)))).value.0)
+            }
+        };
         (word, format!("exists_{child}"), exists)
     };
     let [job, child, index] = readers;
     let of_jobs = job_words(step);
-    let children_of_job = if nodes == NodeKind::Quantised { 0..4 } else { 0..0 };
+    let children_of_job = if step.has_decoder() { 0..nodes.children() } else { 0..0 };
     let columns = of_jobs.iter().map(|&word| column(word)).chain(children_of_job.map(exist));
     let jobs = store("jobs", columns.collect(), job);
     let children = store("children", whole(child_word, 4), child);

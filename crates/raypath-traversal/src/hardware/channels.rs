@@ -68,6 +68,8 @@ pub struct Backwards<'m> {
     pub fetch: (Forward<'m>, Forward<'m>),
     pub fetch_count: Forward<'m>,
     pub fetch_extent: Forward<'m>,
+    /// With eight children: which of them are taken.
+    pub fetch_window: Option<Forward<'m>>,
     /// With flags: the triangles of the block that are not hit, by name.
     pub fetch_culls: Vec<(String, Forward<'m>)>,
     /// With candidates, by name: whether the id of one is read, and its context; the closest hit of a block, with its
@@ -76,7 +78,7 @@ pub struct Backwards<'m> {
     pub tested: Vec<(String, Forward<'m>)>,
     /// The datapath takes a job.
     pub job_ready: Forward<'m>,
-    /// With quantised nodes: a block enters the decoder's last stage, with its context; the decoder takes a block.
+    /// With a decoder: a block enters the decoder's last stage, with its context; the decoder takes a block.
     pub decoder: Option<[Forward<'m>; 3]>,
     /// With instances: to the set-up of rays, and to what is kept of a fetch.
     pub to_rays: Vec<(String, Forward<'m>)>,
@@ -85,10 +87,11 @@ pub struct Backwards<'m> {
 
 impl<'m> Backwards<'m> {
     pub fn new(m: &'m Builder, parameters: UnitParameters) -> Self {
-        let UnitParameters { contexts, step: StepParameters { features, node, .. }, .. } = parameters;
+        let UnitParameters { contexts, step, .. } = parameters;
+        let StepParameters { features, node, .. } = step;
         let width = bits(contexts);
         let taken = ["start_taken", "block_taken", "fault_taken"].map(|name| m.forward(name, 1));
-        let [releases, take, limits, step, fetches, job_ready] =
+        let [releases, take, limits, steps, fetches, job_ready] =
             ["releases", "take", "limits_read", "step_read", "fetches", "job_ready"].map(|name| m.forward(name, 1));
         let [hit_context, take_context, limits_context, step_context, fetch_context] =
             ["hit_context", "take_context", "limits_context", "step_context", "fetch_context"]
@@ -96,7 +99,7 @@ impl<'m> Backwards<'m> {
         let all = |paths: &[(&str, u32)]| -> Vec<(String, Forward<'m>)> {
             paths.iter().map(|(name, width)| (name.to_string(), m.forward(name, *width))).collect()
         };
-        let decoder = (node == NodeKind::Quantised).then(|| {
+        let decoder = step.has_decoder().then(|| {
             [("decodes", 1), ("decodes_context", width), ("issue_ready", 1)].map(|(name, w)| m.forward(name, w))
         });
         let [fetch_count, fetch_extent] =
@@ -110,10 +113,11 @@ impl<'m> Backwards<'m> {
             releases: (releases, hit_context),
             take: (take, take_context),
             limits: (limits, limits_context),
-            step: (step, step_context),
+            step: (steps, step_context),
             fetch: (fetches, fetch_context),
             fetch_count,
             fetch_extent,
+            fetch_window: (node == NodeKind::Wide8).then(|| m.forward("fetch_window", 2)),
             fetch_culls: if features.has_flags() {
                 all(&CULLS[..if features.has_candidates() { 3 } else { 2 }])
             } else {
@@ -136,7 +140,7 @@ impl<'m> Backwards<'m> {
         }
     }
 
-    /// The ray is read when its job comes next: with quantised nodes, when the block leaves the decoder.
+    /// The ray is read when its job comes next: with a decoder, when the block leaves it.
     pub fn job(&self) -> Access<'m> {
         let (read, context) = self.decoder.map_or(self.take, |[decodes, context, _]| (decodes, context));
         (read.wire(), context.wire())

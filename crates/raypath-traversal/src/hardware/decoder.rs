@@ -1,92 +1,126 @@
-//! The boxes of quantised nodes.
+//! The boxes of compressed nodes.
 
-use super::blocks::job_words;
+use super::blocks::{MATRIX_WORDS, job_words};
 use super::connect::hold;
 use super::parameters::UnitParameters;
 use super::queue::bits;
-use crate::blocks::VERTEX_WORDS;
-use crate::blocks::quantised::{BOUNDS, Operands, WORDS, operands, place};
+use crate::blocks::quantised::{self, BOUNDS, Operands, WORDS, operands};
+use crate::blocks::{BOX_WORDS, NodeKind, VERTEX_WORDS, wide8};
 use crate::netlist::{Netlist, Value};
 use raypath_float::{Format, add, decode, encode};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_ops::{Bit, Flags, Word};
 use std::sync::Arc;
 
-/// The cycles that a block is in the decoder.
+/// The cycles that a job is in the decoder.
 pub const LATENCY: u32 = 2;
 
 /// The module `raypath_unit_decoder`, between the memory of the blocks and the datapath.
 ///
-/// A block, `word_…_i`, of which the children `exists_…_i` exist, enters with `context_i` where `valid_i` and `ready_o`
-/// are 1. It is at the outputs two cycles later, with `valid_o` and `context_o`, until `ready_i` is 1: as a node's
-/// bounds, `bound_…_o`, and as words of a triangle or of an instance, `word_…_o`. With instances, a block that
-/// `is_instance_i` there leaves twice, and `is_last_o` is 1 at the second time and for other blocks. Where `read_o` is 1, the block of `read_context_o` is
-/// at the outputs in the next cycle, so that what else is kept for it can be read.
+/// A job, `context_i` and, where blocks have several, `place_i` and `is_last_i`, enters where `valid_i` and `ready_o`
+/// are 1. It is at the outputs two cycles later, with `valid_o`, until `ready_i` is 1: with the bounds of four boxes,
+/// `bound_…_o`, and with the words of a triangle or of an instance, `word_…_o`. Where `read_o` is 1, the job of
+/// `read_context_o` is at the outputs in the next cycle, so that what is kept for it can be read.
+///
+/// Its block is `word_…_i`, of which the children `exists_…_i` exist. With eight children, the last job of a block that
+/// `is_node_i` has the upper four, the place of both is `window_i`, and the words of a triangle are `triangle_…_i`; a
+/// block that `is_instance_i` has them where instances have them.
 pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_decoder");
     let m = &builder;
-    m.doc("The boxes of quantised nodes: one addition for each bound. Other blocks pass by.");
+    m.doc("The boxes of compressed nodes: one addition for each bound. Other blocks pass by.");
     let valid = m.input("valid_i", 1);
     let context = m.input("context_i", bits(contexts));
+    let place = step.has_places().then(|| (m.input("place_i", 2), m.input("is_last_i", 1)));
     let words: Vec<Wire<'_>> = (0..job_words(step).len()).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
-    let exists: [Wire<'_>; 4] = std::array::from_fn(|k| m.input(&format!("exists_{k}_i"), 1));
-    let is_instance = step.features.instances.then(|| m.input("is_instance_i", 1));
+    let exists: Vec<Wire<'_>> = (0..step.node.children()).map(|k| m.input(&format!("exists_{k}_i"), 1)).collect();
     let ready = m.input("ready_i", 1);
-    let advances = m.forward("advances", 1);
-    let advance = advances.wire();
+    let has_sums = m.register("has_sums_q", 1).reset_to(0);
+    let advance = (!has_sums.wire() | ready).named("advance");
 
     m.section("The operands: bases and exponents are recoded, fractions are bits of the block");
     let has_operands = m.register("has_operands_q", 1).reset_to(0);
     has_operands.next_when(advance, valid);
-    let has_operands = has_operands.wire();
-    let operands_context = hold("operands_context_q", advance, context);
+    let operands_context = held(advance, "operands_context", context);
     let encoder = encode(Format::BINARY32)?;
     let recoded =
         |name: &str, wire: Wire<'_>| m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", wire)])[0];
-    let Operands { base, power, .. } = of_block(m, &words, exists);
+    let Operands { base, power, .. } = of_block(m, &words, &exists);
     let axes = ["x", "y", "z"];
     let base: [Wire<'_>; 3] = std::array::from_fn(|axis| {
         let name = format!("base_{}", axes[axis]);
-        hold(&format!("{name}_q"), advance, recoded(&name, base[axis].value.0))
+        held(advance, &name, recoded(&name, base[axis].value.0))
     });
     let exponent: [Wire<'_>; 3] = std::array::from_fn(|axis| {
         let name = format!("exponent_{}", axes[axis]);
         let power = recoded(&name, power[axis].value.0);
         m.unused(&format!("unused_{name}"), &[power.top(), power.lower(FRACTION)]);
-        hold(&format!("{name}_q"), advance, power.bits(FRACTION + EXPONENT - 1, FRACTION))
+        power.bits(FRACTION + EXPONENT - 1, FRACTION)
     });
+    let (addends, passed, place) = match step.node {
+        NodeKind::Wide8 => {
+            let triangle: Vec<Wire<'_>> = (0..VERTEX_WORDS).map(|k| m.input(&format!("triangle_{k}_i"), 32)).collect();
+            let matrix = |k: usize| words[step.node.matrix_word(k)];
+            let passed = match step.features.instances.then(|| m.input("is_instance_i", 1)) {
+                None => triangle,
+                Some(is_instance) => (0..MATRIX_WORDS)
+                    .map(|k| triangle.get(k).map_or(matrix(k), |coordinate| is_instance.mux(matrix(k), *coordinate)))
+                    .collect(),
+            };
+            let (is_node, window) = (m.input("is_node_i", 1), m.input("window_i", 2));
+            let is_upper = place.map_or(is_node, |(_, is_last)| is_last);
+            let addend = |bound: usize| {
+                let (axis, is_max) = quantised::place(bound);
+                let child = bound / BOX_WORDS;
+                let [lower, upper] = [child, child + 4].map(|child| {
+                    let byte = wide8::bound_byte(axis, is_max.into(), child);
+                    let low = 8 * (byte % 4) as u32;
+                    (words[byte / 4].bits(low + 7, low), exists[child])
+                });
+                let (q, exists) = (is_upper.mux(upper.0, lower.0), is_upper.mux(upper.1, lower.1));
+                held(advance, &format!("addend_{bound}"), product(q, exponent[axis], exists, is_max))
+            };
+            let place = place.map(|(place, is_last)| (is_node.mux(window, place), is_last));
+            ((0..BOUNDS).map(addend).collect(), passed, place)
+        }
+        NodeKind::Wide4 | NodeKind::Quantised => (Vec::new(), words, place),
+    };
+    let exponent: [Wire<'_>; 3] = match step.node {
+        NodeKind::Wide8 => exponent,
+        _ => std::array::from_fn(|axis| held(advance, &format!("exponent_{}", axes[axis]), exponent[axis])),
+    };
     let words: Vec<Wire<'_>> =
-        words.iter().enumerate().map(|(k, word)| hold(&format!("word_{k}_q"), advance, *word)).collect();
-    let exists = std::array::from_fn(|k| hold(&format!("exists_{k}_q"), advance, exists[k]));
+        (0..).zip(passed).map(|(k, word): (u32, _)| held(advance, &format!("word_{k}"), word)).collect();
+    let place = place
+        .map(|(place, is_last)| (held(advance, "operands_place", place), held(advance, "operands_is_last", is_last)));
 
     m.section("The sums");
-    let has_sums = m.register("has_sums_q", 1).reset_to(0);
-    has_sums.next_when(advance, has_operands);
-    let has_sums = has_sums.wire();
-    let context = hold("context_q", advance, operands_context);
-    let Operands { fraction, exists: Flags(exists), .. } = of_block(m, &words, exists);
-    let (adder, infinity) = (add(Format::BINARY32)?, m.constant(EXPONENT, INFINITY));
-    let sum = |bound: usize| {
-        let ((axis, is_max), exists) = (place(bound), exists[bound / 6].value.0);
-        let sign = if is_max { !exists } else { m.constant(1, 0) };
-        let exponent = exists.mux(exponent[axis], infinity);
-        let fraction = [fraction[bound].value.0, m.constant(FRACTION - 8, 0)];
-        let addend = m.concat(&[sign, exponent, fraction[0], fraction[1]]);
-        let sum = m.instance(&format!("u_add_{bound}"), &adder, &[("a_i", base[axis]), ("b_i", addend)])[0];
-        hold(&format!("sum_{bound}_q"), advance, sum)
+    has_sums.next_when(advance, has_operands.wire());
+    let adder = add(Format::BINARY32)?;
+    let addends = if addends.is_empty() {
+        let exists: Vec<Wire<'_>> =
+            (0..).zip(exists).map(|(k, bit): (u32, _)| held(advance, &format!("exists_{k}"), bit)).collect();
+        let Operands { fraction, .. } = of_block(m, &words, &exists);
+        let addend = |bound: usize| {
+            let (axis, is_max) = quantised::place(bound);
+            let fraction = m.concat(&[fraction[bound].value.0, m.constant(FRACTION - 8, 0)]);
+            number_or_missing(exponent[axis], fraction, exists[bound / BOX_WORDS], is_max)
+        };
+        (0..BOUNDS).map(addend).collect()
+    } else {
+        addends
     };
-    let sums: Vec<Wire<'_>> = (0..BOUNDS).map(sum).collect();
-    let passes = if is_instance.is_some() { words.len() } else { VERTEX_WORDS };
-    let passed = (0..passes).map(|k| hold(&format!("passed_{k}_q"), advance, words[k]));
-    let passed: Vec<Wire<'_>> = passed.collect();
-    let is_last = is_instance.map(|is_instance| {
-        let is_second = m.register("is_second_q", 1).reset_to(0);
-        let is_last = (!is_instance | is_second.wire()).named("is_last");
-        is_second.next_when(has_sums & ready, !is_last);
-        is_last
-    });
-    let leaves = is_last.map_or(ready, |is_last| ready & is_last);
-    advances.drive(!has_sums | leaves);
+    let sum = |(bound, addend): (usize, Wire<'_>)| {
+        let base = base[quantised::place(bound).0];
+        held(
+            advance,
+            &format!("sum_{bound}"),
+            m.instance(&format!("u_add_{bound}"), &adder, &[("a_i", base), ("b_i", addend)])[0],
+        )
+    };
+    let sums: Vec<Wire<'_>> = addends.into_iter().enumerate().map(sum).collect();
+    let passes = if step.features.instances { MATRIX_WORDS } else { VERTEX_WORDS };
+    let passed: Vec<Wire<'_>> = (0..passes).map(|k| held(advance, &format!("passed_{k}"), words[k])).collect();
 
     m.section("The bounds in IEEE 754's layout");
     let decoder = decode(Format::BINARY32)?;
@@ -95,20 +129,46 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
         m.output(&format!("bound_{k}_o"), bound);
     };
     m.output("ready_o", advance);
-    m.output("read_o", (advance & has_operands).named("read"));
+    m.output("read_o", (advance & has_operands.wire()).named("read"));
     m.output("read_context_o", operands_context);
-    m.output("valid_o", has_sums);
-    m.output("context_o", context);
+    m.output("valid_o", has_sums.wire());
+    m.output("context_o", held(advance, "context", operands_context));
     sums.iter().enumerate().for_each(bound);
     passed.iter().enumerate().for_each(|(k, word)| m.output(&format!("word_{k}_o"), *word));
-    is_last.into_iter().for_each(|is_last| m.output("is_last_o", is_last));
+    if let Some((place, is_last)) = place {
+        m.output("place_o", held(advance, "place", place));
+        m.output("is_last_o", held(advance, "is_last", is_last));
+    }
     builder.finish()
 }
 
-fn of_block<'m>(m: &'m Builder, words: &[Wire<'m>], exists: [Wire<'m>; 4]) -> Operands<Netlist<'m>> {
+/// A register of a stage.
+fn held<'m>(advance: Wire<'m>, name: &str, wire: Wire<'m>) -> Wire<'m> {
+    hold(&format!("{name}_q"), advance, wire)
+}
+
+fn of_block<'m>(m: &'m Builder, words: &[Wire<'m>], exists: &[Wire<'m>]) -> Operands<Netlist<'m>> {
     let c = Netlist(m);
     let words: [Word<Netlist<'m>, 32>; WORDS] = std::array::from_fn(|k| Word::new(c, Value(words[k])));
-    operands(c, words, Flags(exists.map(|bit| Bit::new(c, Value(bit)))))
+    operands(c, words, Flags(std::array::from_fn(|k| Bit::new(c, Value(exists[k])))))
+}
+
+/// The addend of a bound of eight children: q times the power with this exponent. Exponents of the recoded format go on
+/// into those of infinity, and those of 0 stay so.
+fn product<'m>(q: Wire<'m>, exponent: Wire<'m>, exists: Wire<'m>, is_max: bool) -> Wire<'m> {
+    let m = q.builder();
+    let highest = (1..8).fold(m.constant(3, 0), |lower, bit| q.bit(bit).mux(m.constant(3, bit.into()), lower));
+    let scaled = exponent + m.concat(&[m.constant(EXPONENT - 3, 0), highest]);
+    let exponent = q.any().mux(scaled, m.constant(EXPONENT, 0));
+    let fraction = q.lower(7).shift_left(!highest);
+    number_or_missing(exponent, m.concat(&[fraction, m.constant(FRACTION - 7, 0)]), exists, is_max)
+}
+
+/// A number that is not negative, or the infinity with which no ray hits the box.
+fn number_or_missing<'m>(exponent: Wire<'m>, fraction: Wire<'m>, exists: Wire<'m>, is_max: bool) -> Wire<'m> {
+    let m = exponent.builder();
+    let sign = if is_max { !exists } else { m.constant(1, 0) };
+    m.concat(&[sign, exists.mux(exponent, m.constant(EXPONENT, INFINITY)), fraction])
 }
 
 /// The bits of a recoded number's fraction and exponent, and the exponent of infinity.

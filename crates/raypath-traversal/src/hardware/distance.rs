@@ -75,7 +75,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let rest = rest.into_iter().chain(geometry.map(|geometry| ("geometry", geometry)));
     let known: Named<'_> = rest.map(|(name, wire)| named(name, wire)).chain(fraction).collect();
     let found: TriangleHit<Netlist<'_>> = from_wires(m, "", |field, width| found_in(m, &known, field, width));
-    let registers: Vec<_> = wires_with("closest", &found, features)
+    let registers: Vec<_> = wires_with("closest", &found, parameters.step)
         .map(|(name, wire)| (m.register(&format!("{name}_q"), wire.width()), name))
         .collect();
     let held: Named<'_> = registers.iter().map(|(register, name)| named(name, register.wire())).collect();
@@ -84,7 +84,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     // The only triangle of a block is the closest, whether it counts or not.
     let earlier = if has_places { before } else { found };
     let closest = fold(earlier, Bit::new(c, Value(is_first)), found, limits);
-    for ((register, _), (_, wire)) in registers.iter().zip(wires_with("", &closest, features)) {
+    for ((register, _), (_, wire)) in registers.iter().zip(wires_with("", &closest, parameters.step)) {
         register.next_when(folds.wire(), wire);
     }
     let is_complete = m.register("is_complete_q", 1).reset_to(0);
@@ -99,7 +99,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.output("read_context_o", tag.upper(width));
     m.output("valid_o", is_complete.wire());
     m.output("context_o", complete_context.wire());
-    outputs_with(m, "closest", &before, features);
+    outputs_with(m, "closest", &before, parameters.step);
     builder.finish()
 }
 

@@ -2,6 +2,7 @@
 
 use super::blocks::JOB_WORDS;
 use super::connect::Inputs;
+use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use crate::blocks::{NodeKind, VERTEX_WORDS};
 use raypath_hdl::{Builder, Error, Module, Register, Wire};
@@ -16,19 +17,20 @@ use std::sync::Arc;
 /// `ready_i` is 1 too, with `context_o`, whether it `is_node_o`, its `place_o` in the block and whether it `is_last_o`.
 /// A block with an error has no job; it is a fault, `fault_valid_o`, until `fault_taken_i` is 1.
 ///
-/// A block of quantised nodes has one job, or two that the decoder makes of one, so there are no ports for words, the
-/// number of triangles and places.
-pub fn issue(contexts: u32, nodes: NodeKind) -> Result<Arc<Module>, Error> {
+/// A node with eight children has two jobs. A block of quantised nodes has one job, if it is not that of an instance: so
+/// without instances there are no ports for the number of triangles and places, and none for words.
+pub fn issue(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_issue");
     let m = &builder;
-    let has_places = nodes == NodeKind::Wide4;
+    let nodes = step.node;
     m.doc("The jobs of blocks, in the order in which the blocks arrive: one of a node, or one for each triangle.");
     let width = bits(contexts);
     let [arrived, failed] = ["arrived_i", "arrived_failed_i"].map(|name| m.input(name, 1));
     let arrived_context = m.input("arrived_context_i", width);
-    let block_ports = has_places.then(|| {
+    let block_ports = step.has_places().then(|| {
         let count = m.input("count_i", 2);
-        let words: Vec<Wire<'_>> = (0..JOB_WORDS).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
+        let words = if nodes.triangles_per_block() > 1 { 0..JOB_WORDS } else { 0..0 };
+        let words: Vec<Wire<'_>> = words.map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
         (count, words)
     });
     let ready = m.input("ready_i", 1);
@@ -50,7 +52,12 @@ pub fn issue(contexts: u32, nodes: NodeKind) -> Result<Arc<Module>, Error> {
     let one = m.constant(2, 1);
     let places = block_ports.map(|(count, words, place)| {
         let is_node = count.is(0).named("is_node");
-        let is_last = (is_node | (place.wire() + one).equals(count)).named("is_last");
+        let next = place.wire() + one;
+        let is_last = match nodes {
+            NodeKind::Wide8 => next.equals(is_node.mux(m.constant(2, 2), count)),
+            _ => is_node | next.equals(count),
+        };
+        let is_last = is_last.named("is_last");
         Places { words, place, is_node, is_last }
     });
     let fault = (busy.wire() & failed.wire()).named("fault");
@@ -69,6 +76,9 @@ pub fn issue(contexts: u32, nodes: NodeKind) -> Result<Arc<Module>, Error> {
         let number = place.wire();
         place.next_when(take | leaves, take.mux(m.constant(2, 0), number + one));
 
+        if words.is_empty() {
+            return (is_node, number, is_last, words);
+        }
         m.section("The triangle");
         let coordinate = |k: usize| {
             (1..nodes.triangles_per_block() as usize)
@@ -84,7 +94,11 @@ pub fn issue(contexts: u32, nodes: NodeKind) -> Result<Arc<Module>, Error> {
     m.output("fault_valid_o", fault);
     m.output("context_o", context.wire());
     if let Some((is_node, place, is_last, triangle)) = job {
-        m.output("is_node_o", is_node);
+        if nodes == NodeKind::Quantised {
+            m.unused("unused_is_node", &[is_node]);
+        } else {
+            m.output("is_node_o", is_node);
+        }
         m.output("place_o", place);
         m.output("is_last_o", is_last);
         triangle.iter().enumerate().for_each(|(k, wire)| m.output(&format!("triangle_{k}_o"), *wire));

@@ -19,7 +19,7 @@ pub struct Jobs<'m> {
 
 impl<'m> Jobs<'m> {
     /// What offers the jobs.
-    fn of_block(&self) -> &Outputs<'m> {
+    pub fn of_block(&self) -> &Outputs<'m> {
         self.decoder.as_ref().unwrap_or(&self.issue)
     }
 

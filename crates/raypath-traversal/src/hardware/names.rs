@@ -38,11 +38,12 @@ macro_rules! declare {
 declare! {
     "contexts": contexts, "8..256", "Rays that are traced at a time; the hit of one more may wait at the port";
     "stack": step.stack, "2|4|8|16|32", "Entries of the stack of each ray";
-    "node": step.node, "wide4|quantised", "Nodes of the scene: boxes in binary32, or of 8 bits a bound";
-    "memory-width": memory_width, "128|256|512|1024", "Bits of a beat of the memory; 1024 with wide4 only";
+    "node": step.node, "wide4|quantised|wide8",
+        "Nodes of the scene: four boxes in binary32, four of 8 bits a bound, or eight of them";
+    "memory-width": memory_width, "128|256|512|1024", "Bits of a beat of the memory; 1024 not with quantised";
     "id-width": id_width, "1..64", "Bits of the number that a ray brings and its hit returns";
     "divider-latency": divider_latency, "1..27", "Cycles of a division, one of which begins in each cycle";
-    "instances": step.features.instances, "true|false", "Scenes have instances; with wide4 only";
+    "instances": step.features.instances, "true|false", "Scenes have instances";
     "nested-instances": step.features.nested, "true|false", "Objects of instances have instances; with instances only";
     "queries": step.features.queries, "none|flags|full",
         "What ray queries need: opacity, masks and flags of instances; with full also candidates for a shader";

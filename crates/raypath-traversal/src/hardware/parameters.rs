@@ -13,7 +13,7 @@ pub struct UnitParameters {
     pub contexts: u32,
     /// The step of a ray, with the entries of its stack.
     pub step: StepParameters,
-    /// Bits of a beat of the memory: 128, 256, 512 or, with wide nodes, 1024.
+    /// Bits of a beat of the memory: 128, 256, 512 or, but for quantised nodes, 1024.
     pub memory_width: u32,
     /// Bits of the number that comes out with a ray's hit: 1 to 64.
     pub id_width: u32,
@@ -36,8 +36,10 @@ impl fmt::Display for UnitParameters {
              {divider_latency} cycles",
             step.stack
         )?;
-        if step.node == NodeKind::Quantised {
-            f.write_str(", quantised nodes")?;
+        match step.node {
+            NodeKind::Wide4 => {}
+            NodeKind::Quantised => f.write_str(", quantised nodes")?,
+            NodeKind::Wide8 => f.write_str(", nodes with eight children")?,
         }
         f.write_str(match step.features {
             UnitFeatures { nested: true, .. } => ", nested instances",

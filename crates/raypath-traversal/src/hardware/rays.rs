@@ -91,7 +91,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         flags,
         cull_mask: Word::new(c, Value(cull_mask)),
     };
-    let begin: Named<'_> = wires_with("", &words, features).collect();
+    let begin: Named<'_> = wires_with("", &words, parameters.step).collect();
     let mut limits = vec![named("limits_t_min", entry.t_min.value.0)];
     if !features.has_flags() {
         // With flags, it depends on the instance and the leaf which faces are not hit.

@@ -1,9 +1,11 @@
 //! A step in hardware: two modules without registers, and the pipeline around them.
 
-use crate::netlist::{Netlist, inputs, inputs_with, outputs_with};
+use crate::blocks::wide8::{Half, window};
+use crate::netlist::{Netlist, Value, inputs, inputs_with, outputs, outputs_with};
 use crate::state::{Answer, Group, RayState};
 use crate::step::{HalfStep, StepParameters, finish, prepare};
 use raypath_hdl::{Builder, Error, Module};
+use raypath_ops::Word;
 use std::sync::Arc;
 
 /// The module `raypath_unit_prepare`: the first half of a step, without registers. Its inputs are `state_…_i` and
@@ -12,11 +14,26 @@ use std::sync::Arc;
 /// # Errors
 /// A defect of the description.
 pub fn prepare_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
-    let (m, features) = (Builder::new("raypath_unit_prepare"), parameters.features);
+    let m = Builder::new("raypath_unit_prepare");
     m.doc("What happens to a ray when an answer arrives, before its stack is read.");
-    let state: RayState<Netlist<'_>> = inputs_with(&m, "state", features);
-    let answer: Answer<Netlist<'_>> = inputs_with(&m, "answer", features);
-    outputs_with(&m, "half", &prepare(Netlist(&m), parameters, state, answer), features);
+    let state: RayState<Netlist<'_>> = inputs_with(&m, "state", parameters);
+    let answer: Answer<Netlist<'_>> = inputs_with(&m, "answer", parameters);
+    outputs_with(&m, "half", &prepare(Netlist(&m), parameters, state, answer), parameters);
+    m.finish()
+}
+
+/// The module `raypath_unit_window`: which children of eight a step takes, without registers. Its inputs are
+/// `lower_…_i` and `upper_…_i`, with the fields of [`Half`], and `window_i`; its outputs `window_…_o`, with those of
+/// [`Window`](crate::blocks::wide8::Window).
+///
+/// # Errors
+/// A defect of the description.
+pub fn window_module() -> Result<Arc<Module>, Error> {
+    let m = Builder::new("raypath_unit_window");
+    m.doc("The children of a node with eight that a step takes, near to far, from the outcomes of its two jobs.");
+    let [lower, upper]: [Half<Netlist<'_>>; 2] = ["lower", "upper"].map(|name| inputs(&m, name));
+    let c = Netlist(&m);
+    outputs(&m, "window", &window(c, [lower, upper], Word::new(c, Value(m.input("window_i", 2)))));
     m.finish()
 }
 
@@ -30,10 +47,10 @@ pub fn finish_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_unit_finish");
     m.doc("What happens to a ray when an answer arrives, after its stack is read.");
     m.doc(format!("The stack of a ray has {} entries.", parameters.stack));
-    let half: HalfStep<Netlist<'_>> = inputs_with(&m, "half", parameters.features);
+    let half: HalfStep<Netlist<'_>> = inputs_with(&m, "half", parameters);
     let top: Group<Netlist<'_>> = inputs(&m, "top");
     let (next, request) = finish(Netlist(&m), parameters, half, top);
-    outputs_with(&m, "next", &next, parameters.features);
-    outputs_with(&m, "request", &request, parameters.features);
+    outputs_with(&m, "next", &next, parameters);
+    outputs_with(&m, "request", &request, parameters);
     m.finish()
 }

@@ -37,15 +37,6 @@ pub struct UnitNetlist {
     pub parameters: UnitParameters,
 }
 
-/// The bits of a job's tag besides the context: the triangle's place, and whether it is the last of its block.
-/// Blocks of quantised nodes have one, but for those of instances.
-fn tag_bits(StepParameters { node, features, .. }: StepParameters) -> u32 {
-    match node {
-        NodeKind::Wide4 => 3,
-        NodeKind::Quantised => features.instances.into(),
-    }
-}
-
 impl UnitNetlist {
     /// Builds the unit around a datapath of this configuration. Distance operations are left out, and the features that
     /// the unit needs are added: a tag, facing, hits of both faces, and conservative boxes. The feature `barycentrics` is that of the unit.
@@ -60,7 +51,8 @@ impl UnitNetlist {
         }
         parameters.check()?;
         check(config)?;
-        let tag = bits(parameters.contexts) + tag_bits(parameters.step);
+        // Besides the context: the place in the block, and whether it is the last.
+        let tag = bits(parameters.contexts) + if parameters.step.has_places() { 3 } else { 0 };
         let UnitFeatures { barycentrics, edges, .. } = parameters.step.features;
         let features = Features {
             tag,
@@ -134,8 +126,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let blocks = top.blocks(&ports)?;
     let fetched = top.fetched();
     let words = prefixed("word", blocks.under("word"));
-    let issue = top.issue(&ports, &blocks, &words, &fetched)?;
-    let decoder = top.decoder(&issue, &blocks, words, &fetched)?;
+    let issued = top.issued(&fetched);
+    let issue = top.issue(&ports, &blocks, &words, &issued)?;
+    let decoder = top.decoder(&issue, &blocks, words, &issued)?;
     let jobs = Jobs { rays, blocks, issue, decoder, fetched };
 
     m.section("The datapath");
@@ -230,6 +223,26 @@ impl<'m> Top<'m> {
         keep("u_fetched", self.parameters.contexts, by_fetch, fetched, back.job())
     }
 
+    /// What is kept of a fetch for the issue of its jobs, which with a decoder comes before they are in the datapath.
+    fn issued(&self, fetched: &Named<'m>) -> Named<'m> {
+        let (back, step) = (&self.back, self.parameters.step);
+        if !step.has_decoder() {
+            return vec![fetched[0].clone()];
+        }
+        if !step.has_places() {
+            return Vec::new();
+        }
+        let mut words = vec![named("count", back.fetch_count.wire())];
+        if let Some(window) = back.fetch_window {
+            words.push(named("window", window.wire()));
+            let is_instance = back.to_fetched.first().map(|(_, forward)| named("is_instance", forward.wire()));
+            words.extend(is_instance);
+        }
+        let (take, context) = back.take;
+        let by_fetch = (back.fetch.0.wire(), back.fetch.1.wire());
+        keep("u_issued", self.parameters.contexts, by_fetch, words, (take.wire(), context.wire()))
+    }
+
     fn issue(
         &self,
         ports: &Ports<'m>,
@@ -237,21 +250,19 @@ impl<'m> Top<'m> {
         words: &Named<'m>,
         fetched: &Named<'m>,
     ) -> Result<Outputs<'m>, UnitError> {
-        let (back, node) = (&self.back, self.parameters.step.node);
-        let count = named("count", fetched[0].1);
-        let of_block: Named<'m> = match node {
-            NodeKind::Wide4 => [count].into_iter().chain(words.iter().cloned()).collect(),
-            NodeKind::Quantised => Vec::new(),
-        };
+        let (back, step) = (&self.back, self.parameters.step);
+        let count = step.has_places().then(|| fetched[0].clone());
+        let words = if step.node.triangles_per_block() > 1 { &words[..] } else { &[] };
         let ready = back.decoder.map_or(back.job_ready, |[.., ready]| ready);
         let issue = Inputs::default()
             .port("arrived", blocks.port("arrived"))
             .port("arrived_failed", blocks.port("failed"))
             .port("arrived_context", ports.beat_context)
-            .ports(of_block)
+            .ports(count)
+            .ports(words.iter().cloned())
             .port("ready", ready.wire())
             .port("fault_taken", back.taken[2].wire())
-            .place(self.m, "u_issue", &issue(self.parameters.contexts, node)?);
+            .place(self.m, "u_issue", &issue(self.parameters)?);
         back.take.0.drive(issue.port("take"));
         back.take.1.drive(issue.port("take_context"));
         Ok(issue)
@@ -262,15 +273,28 @@ impl<'m> Top<'m> {
         issue: &Outputs<'m>,
         blocks: &Outputs<'m>,
         words: Named<'m>,
-        fetched: &Named<'m>,
+        issued: &Named<'m>,
     ) -> Result<Option<Outputs<'m>>, UnitError> {
         let Some([decodes, context, ready]) = self.back.decoder else { return Ok(None) };
+        let step = self.parameters.step;
+        let places: &[&str] = if step.has_places() { &["place", "is_last"] } else { &[] };
+        let of_eight: Named<'m> = match step.node {
+            NodeKind::Wide8 => {
+                let is_node = [named("is_node", issue.port("is_node"))].into_iter();
+                is_node
+                    .chain(issued[1..].iter().cloned())
+                    .chain(prefixed("triangle", issue.under("triangle")))
+                    .collect()
+            }
+            NodeKind::Wide4 | NodeKind::Quantised => Vec::new(),
+        };
         let decoder = Inputs::default()
             .port("valid", issue.port("offer"))
             .port("context", issue.port("context"))
+            .ports(places.iter().map(|name| named(name, issue.port(name))))
             .ports(words)
             .ports(prefixed("exists", blocks.under("exists")))
-            .ports(fetched.get(2).cloned())
+            .ports(of_eight)
             .port("ready", self.back.job_ready.wire())
             .place(self.m, "u_decoder", &decoder(self.parameters)?);
         decodes.drive(decoder.port("read"));
@@ -285,18 +309,12 @@ impl<'m> Top<'m> {
         let [boxes, triangle] = [JobKind::Quadbox, JobKind::Triangle].map(|kind| opcode(kind.opcode()));
         let is_instance = jobs.fetched.get(2).map(|(_, is_instance)| *is_instance);
         let other = is_instance.map_or(triangle, |is_instance| is_instance.mux(opcode(TRANSFORM_OPCODE), triangle));
-        let (offer, is_node, tag) = match &jobs.decoder {
-            None => {
-                let issue = &jobs.issue;
-                let tag = m.concat(&[issue.port("context"), issue.port("place"), issue.port("is_last")]);
-                (issue.port("offer"), issue.port("is_node"), tag)
-            }
-            Some(decoder) => {
-                let is_last = is_instance.map(|_| decoder.port("is_last"));
-                let tag: Vec<_> = [decoder.port("context")].into_iter().chain(is_last).collect();
-                (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node"), m.concat(&tag))
-            }
+        let (offer, is_node) = match &jobs.decoder {
+            None => (jobs.issue.port("offer"), jobs.issue.port("is_node")),
+            Some(decoder) => (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node")),
         };
+        let tag = if self.parameters.step.has_places() { &["context", "place", "is_last"][..] } else { &["context"] };
+        let tag = m.concat(&tag.iter().map(|name| jobs.of_block().port(name)).collect::<Vec<_>>());
         let ready = m.forward("outcome_ready", 1);
         let ports = Inputs::default()
             .port("input_valid", offer)
@@ -316,19 +334,17 @@ impl<'m> Top<'m> {
 
     fn distance(&self, jobs: &Jobs<'m>, outcome: &Outcome<'m>) -> Result<Outputs<'m>, UnitError> {
         let StepParameters { features, node, .. } = self.parameters.step;
+        let has_places = node.triangles_per_block() > 1;
         let Outcome { ports, is_boxes, is_transform, tag, context, ready } = outcome;
         let weights = [("u_num", "barycentric_v"), ("v_num", "barycentric_w")];
         let weights = weights.into_iter().filter(|(name, _)| features.has(name));
         let weights: Named<'m> = weights.map(|(name, port)| named(name, ports.port(port))).collect();
-        let place: Named<'m> = match node {
-            NodeKind::Wide4 => vec![named("place", tag.bits(2, 1)), named("is_last", tag.bit(0))],
-            NodeKind::Quantised => Vec::new(),
-        };
+        let place = has_places.then(|| [named("place", tag.bits(2, 1)), named("is_last", tag.bit(0))]);
         let is_triangle = is_transform.map_or(!*is_boxes, |is_transform| !*is_boxes & !is_transform);
         let closest = Inputs::default()
             .port("valid", ports.port("output_valid") & is_triangle)
             .port("context", *context)
-            .ports(place)
+            .ports(place.into_iter().flatten())
             .port("is_hit", ports.port("triangle_hit"))
             .port("is_front", ports.port("facing"))
             .port("t_num", ports.port("t_num"))
@@ -404,13 +420,21 @@ impl<'m> Top<'m> {
         let Outcome { ports, is_boxes, context, .. } = outcome;
         let Jobs { rays, blocks, issue, .. } = jobs;
         let back = &self.back;
-        let tmin = (1..4).map(|k| named(&format!("boxes_tmin_{}", k - 1), ports.port(&format!("tmin_{k}"))));
+        // The child at place 0 is never kept; of eight children, those of both jobs are merged.
+        let is_merged = self.parameters.step.node == NodeKind::Wide8;
+        let first = if is_merged { 0 } else { 1 };
+        let tmin = (first..4).map(|k| named(&format!("boxes_tmin_{}", k - first), ports.port(&format!("tmin_{k}"))));
+        let of_half = is_merged.then(|| {
+            let tag = outcome.tag;
+            [named("boxes_is_last", tag.bit(0)), named("boxes_window", tag.bits(2, 1))]
+        });
         let walk = Inputs::default()
             .port("boxes_valid", ports.port("output_valid") & *is_boxes)
             .port("boxes_context", *context)
             .port("boxes_hit", ports.port("is_intersect"))
             .ports(tmin)
             .ports(prefixed("boxes_box_index", ports.under("box_index")))
+            .ports(of_half.into_iter().flatten())
             .port("block_valid", closest.port("valid"))
             .port("block_context", closest.port("context"))
             .ports(prefixed("closest", closest.under("closest")))
@@ -435,6 +459,7 @@ impl<'m> Top<'m> {
             forward.drive(walk.port(name));
         }
         back.fetch_culls.iter().for_each(|(name, forward)| forward.drive(walk.port(name)));
+        back.fetch_window.iter().for_each(|forward| forward.drive(walk.port("window")));
         for ((_, forward), name) in
             back.tested.iter().zip(["is_tested", "tested_context", "tested_t", "tested_primitive"])
         {

@@ -6,12 +6,13 @@
 //! they have without a step is not used.
 
 use super::candidates::is_of_candidate;
-use super::connect::{Inputs, Named, Outputs, delay, keep, prefixed};
+use super::connect::{Access, Inputs, Named, Outputs, delay, hold, keep, named, prefixed};
 use super::hits::is_shown;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::scheduler::{scheduler, sources};
-use super::step::{finish_module, prepare_module};
+use super::step::{finish_module, prepare_module, window_module};
+use crate::blocks::NodeKind;
 use crate::netlist::{Netlist, inputs_with, wires_with};
 use crate::state::{Group, RayState, RayWords, answer, request};
 use raypath_hdl::{Builder, Error, Module, Wire};
@@ -46,11 +47,12 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     };
     let is_refused = m.input("start_is_refused_i", 1);
     let is_instance = step.features.instances.then(|| m.input("start_is_instance_i", 1));
-    let boxes = inputs(&BOXES);
-    let closest: Vec<_> = CLOSEST.into_iter().filter(|(name, _)| step.features.has(name)).collect();
+    let has_eight = step.node == NodeKind::Wide8;
+    let boxes = inputs(if has_eight { &HALF } else { &BOXES });
+    let closest: Vec<_> = CLOSEST.into_iter().filter(|(name, _)| step.has(name)).collect();
     let closest = inputs(&closest);
     let children = inputs(&[("child_0", 32), ("child_1", 32), ("child_2", 32), ("child_3", 32)]);
-    let begin: RayWords<Netlist<'_>> = inputs_with(m, "begin", step.features);
+    let begin: RayWords<Netlist<'_>> = inputs_with(m, "begin", step);
     let verdict = step.features.has_candidates().then(|| {
         let (valid, context) = given("verdict");
         (valid, context, inputs(&[("verdict_accepts", 1), ("verdict_ends", 1), ("verdict_t", 32)]))
@@ -66,6 +68,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .port("pop", again_taken.wire())
         .place(m, "u_continues", &queue("raypath_unit_continues", count, &[("context", width)])?);
     let boxes_taken = m.forward("boxes_taken", 1);
+    let (boxes, outcome, tested) = if has_eight { merged(m, boxes, tested)? } else { (boxes, tested, tested) };
     let waiting = Inputs::default()
         .port("push", tested.0)
         .port("context", tested.1)
@@ -112,7 +115,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     prepares.next(read);
     let prepared_context = delay("prepared_context_q", read_context);
     let kind = delay("kind_q", kind);
-    let boxes = keep("u_outcomes", count, tested, boxes, (read, read_context));
+    let boxes = keep("u_outcomes", count, outcome, boxes, (read, read_context));
     let mut closest = delay_all(closest);
     let decided =
         verdict.map(|(valid, context, words)| keep("u_verdicts", count, (valid, context), words, (read, read_context)));
@@ -123,7 +126,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let finished_context = delay("finished_context_q", prepared_context);
     context.drive(finished_context);
     let fields = ports_of::<RayState<Binary32>>();
-    let fields = fields.iter().filter(|port| step.features.has(&port.name) && !is_of_ray(&port.name));
+    let fields = fields.iter().filter(|port| step.has(&port.name) && !is_of_ray(&port.name));
     let columns: Vec<(&str, u32)> = fields.map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
     let states = m.memory("u_states", count, &columns);
     let kept: Vec<(&str, Wire<'_>)> =
@@ -131,7 +134,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let c = Netlist(m);
     let first = RayState::begin(c, begin);
     let begins = (kind.is(answer::START.into()) | kind.is(answer::REFUSED.into())).named("begins");
-    let state = wires_with("", &first, step.features).map(|(name, first)| {
+    let state = wires_with("", &first, step).map(|(name, first)| {
         let value = match kept.iter().find(|(known, _)| *known == name) {
             None => first,
             Some((_, kept)) if AT_FIRST.contains(&name.as_str()) => begins.mux(first, *kept),
@@ -218,9 +221,9 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.unused("unused_offset", &[address.lower(step.node.offset_bits())]);
     m.unused("unused_level", &[level.upper(level.width() - slot_bits)]);
     m.output("block_o", address.upper(address.width() - step.node.offset_bits()));
-    for name in ["count", "status", "is_instance", "culls_clockwise", "culls_counter_clockwise"]
+    for name in ["count", "window", "status", "is_instance", "culls_clockwise", "culls_counter_clockwise"]
         .into_iter()
-        .filter(|name| step.features.has(name))
+        .filter(|name| step.has(name))
     {
         m.output(&format!("{name}_o"), done.port(&format!("request_{name}")));
     }
@@ -230,6 +233,36 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let shown = next.into_iter().filter(|(name, _)| is_shown(name) || of_candidates(name));
     shown.for_each(|(name, wire)| m.output(&format!("next_{name}_o"), wire));
     builder.finish()
+}
+
+/// The children of a window, from the outcomes of both jobs of a node; where they are written, in the cycle after the
+/// last outcome; and where the node is tested.
+fn merged<'m>(
+    m: &'m Builder,
+    mut half: Named<'m>,
+    (valid, context): Access<'m>,
+) -> Result<(Named<'m>, Access<'m>, Access<'m>), Error> {
+    let window = half.pop().map_or(context, |(_, wire)| wire);
+    let is_last = half.pop().map_or(valid, |(_, wire)| wire);
+    let completes = (valid & is_last).named("boxes_complete");
+    let held = |name: &str, enable: Wire<'m>| -> Named<'m> {
+        let hold = |(field, wire): &(String, Wire<'m>)| {
+            let field = format!("{name}_{}", field.trim_start_matches("boxes_"));
+            (field.clone(), hold(&format!("{field}_q"), enable, *wire))
+        };
+        half.iter().map(hold).collect()
+    };
+    let window = hold("window_q", completes, window);
+    let outcome = Inputs::default()
+        .ports(held("lower", valid & !is_last))
+        .ports(held("upper", completes))
+        .port("window", window)
+        .place(m, "u_window", &window_module()?);
+    let mut boxes = prefixed("boxes", outcome.under("window"));
+    boxes.push(named("boxes_window", window));
+    let written = m.register("written_q", 1).reset_to(0);
+    written.next(completes);
+    Ok((boxes, (written.wire(), delay("written_context_q", context)), (completes, context)))
 }
 
 fn queued<'m>(queue: &Outputs<'m>) -> (Wire<'m>, Wire<'m>) {
@@ -254,6 +287,21 @@ fn is_of_ray(field: &str) -> bool {
 /// The other fields that a ray has at its beginning. The rest of its state is written before it is read.
 const AT_FIRST: [&str; 8] =
     ["extent", "has_hit", "nodes", "triangles", "pending_low", "pending_high", "base", "restarting"];
+
+/// The outcome of a job of a node with eight children.
+const HALF: [(&str, u32); 11] = [
+    ("boxes_hit", 4),
+    ("boxes_tmin_0", 32),
+    ("boxes_tmin_1", 32),
+    ("boxes_tmin_2", 32),
+    ("boxes_tmin_3", 32),
+    ("boxes_box_index_0", 2),
+    ("boxes_box_index_1", 2),
+    ("boxes_box_index_2", 2),
+    ("boxes_box_index_3", 2),
+    ("boxes_is_last", 1),
+    ("boxes_window", 2),
+];
 
 /// The outcome of a box job.
 const BOXES: [(&str, u32); 8] = [

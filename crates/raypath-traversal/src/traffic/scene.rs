@@ -1,5 +1,6 @@
 //! Scenes made block by block, random ones, and random rays.
 
+use crate::blocks::wide8::{self, Node8};
 use crate::blocks::{LeafTriangle, NODE_KIND, Node, NodeKind};
 use crate::instance::{INSTANCE_KIND, Instance};
 use crate::{RayRequest, ray_flags};
@@ -26,22 +27,52 @@ impl BlockScene {
         self.0.len() as u32
     }
 
-    /// Appends a leaf, and returns its child word. The word is valid for 1 to 8 triangles.
+    /// Appends a leaf, and returns its child word. The word is valid for 1 to 8 triangles. With eight children it is a
+    /// node, if there are more than a block holds.
     pub fn leaf(&mut self, triangles: &[LeafTriangle]) -> u32 {
+        if self.1 == NodeKind::Wide8 && triangles.len() > wide8::WINDOW as usize {
+            let (mut boxes, mut children) = ([never(); 4], [0; 4]);
+            for (place, part) in triangles.chunks(wide8::WINDOW as usize).enumerate() {
+                (boxes[place], children[place]) = (around(part), self.leaf(part));
+            }
+            return self.node(boxes, children);
+        }
         let word = self.address() | triangles.len() as u32;
         self.0.extend(LeafTriangle::to_bytes(triangles, 0, self.1));
         word
     }
 
-    /// Appends a node, and returns its child word. A quantised node whose boxes cannot be contained becomes one without
+    /// Appends a node, and returns its child word. A compressed node whose boxes cannot be contained becomes one without
     /// children.
     pub fn node(&mut self, boxes: [Aabb<Binary32>; 4], children: [u32; 4]) -> u32 {
-        let word = self.address() | NODE_KIND;
         let node = Node { boxes, children };
-        match self.1 {
-            NodeKind::Wide4 => self.0.extend(node.to_bytes()),
-            NodeKind::Quantised => self.0.extend(node.to_quantised_bytes().unwrap_or([0; 64])),
+        let bytes = match self.1 {
+            NodeKind::Wide4 => node.to_bytes().to_vec(),
+            NodeKind::Quantised => node.to_quantised_bytes().unwrap_or([0; 64]).to_vec(),
+            NodeKind::Wide8 => return self.eight(&boxes, &children),
+        };
+        let word = self.address() | NODE_KIND;
+        self.0.extend(bytes);
+        word
+    }
+
+    /// Appends a node of up to eight children, and copies of them before it, because they must be consecutive.
+    fn eight(&mut self, boxes: &[Aabb<Binary32>], children: &[u32]) -> u32 {
+        let bytes = self.1.block_bytes() as usize;
+        let mut node = Node8 { boxes: [never(); 8], children: [0; 8] };
+        for copies_nodes in [true, false] {
+            for (place, &word) in children.iter().enumerate().filter(|(_, word)| **word != 0) {
+                if (word % bytes as u32 == NODE_KIND) == copies_nodes {
+                    node.children[place] = self.address() | (word % bytes as u32);
+                    node.boxes[place] = boxes[place];
+                    let first = (word as usize / bytes * bytes).min(self.0.len());
+                    self.0.extend_from_within(first..(first + bytes).min(self.0.len()));
+                    self.0.resize(self.0.len().next_multiple_of(bytes), 0);
+                }
+            }
         }
+        let word = self.address() | NODE_KIND;
+        self.0.extend(node.to_bytes().unwrap_or([0; 128]));
         word
     }
 
@@ -130,14 +161,18 @@ impl BlockScene {
         }
         let axis = random.random_range(0..3);
         triangles.sort_by(|a, b| corners(a)[0][axis].total_cmp(&corners(b)[0][axis]));
-        let (mut boxes, mut children) = ([never(); 4], [0; 4]);
-        let count = random.random_range(2..5);
+        let (mut boxes, mut children) = ([never(); 8], [0; 8]);
+        let count = random.random_range(2..=self.1.children());
         let chunk = triangles.len().div_ceil(count);
         for (place, part) in triangles.chunks_mut(chunk).enumerate() {
             (children[place], boxes[place]) = self.tree(part, random);
         }
         let whole = around(triangles);
-        (self.node(boxes, children), whole)
+        let word = match (boxes.first_chunk(), children.first_chunk()) {
+            (Some(boxes), Some(children)) if self.1 != NodeKind::Wide8 => self.node(*boxes, *children),
+            _ => self.eight(&boxes, &children),
+        };
+        (word, whole)
     }
 }
 

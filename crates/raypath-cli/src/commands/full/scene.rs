@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
     let scene = Shown::read(mesh.as_deref(), instances.as_deref(), memory.limit)?.through_unit([], *node)?;
     let Some(blocks) = scene.blocks() else { return Ok(()) };
-    let (triangles, nodes) = (scene.mesh().triangles().len(), scene.bvh().nodes().len());
+    let (triangles, nodes) = (scene.mesh().triangles().len(), blocks.node_count());
     let (count, bytes) = (blocks.len(), blocks.bytes().len());
     let of_instances = match scene.instances() {
         0 => String::new(),

@@ -103,11 +103,15 @@ pub fn name(path: Option<&Path>) -> String {
 
 pub fn describe(path: Option<&Path>, scene: &Scene, out: &mut dyn Write) -> Result<(), CliError> {
     let name = name(path);
-    let (triangles, nodes) = (scene.mesh().triangles().len(), scene.bvh().nodes().len());
+    let (nodes, boxes) = match scene.blocks() {
+        Some(blocks) if blocks.nodes() == NodeKind::Wide8 => (blocks.node_count(), "eight"),
+        _ => (scene.bvh().nodes().len(), "four"),
+    };
+    let triangles = scene.mesh().triangles().len();
     let instances = match scene.instances() {
         0 => String::new(),
         count => format!("{count} instances of "),
     };
-    writeln!(out, "{name}: {instances}{triangles} triangles, a tree of {nodes} nodes with four boxes each\n")?;
+    writeln!(out, "{name}: {instances}{triangles} triangles, a tree of {nodes} nodes with {boxes} boxes each\n")?;
     Ok(())
 }
