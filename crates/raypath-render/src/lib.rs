@@ -23,8 +23,8 @@ pub use camera::{Camera, CameraError};
 pub use instances::{parse_instances, read_instances};
 pub use picture::{Picture, heatmap, to_png};
 pub use raypath_scene::{
-    Blocks, BlocksError, Bounds, Bvh4, Mesh, MeshError, Placement, PlacementError, RefitError, Scene, SceneError,
-    blocks, bvh, mesh, placement, refit,
+    Blocks, BlocksError, Bounds, Bvh4, CwbvhError, Mesh, MeshError, Placement, PlacementError, RefitError, Scene,
+    SceneError, blocks, bvh, mesh, placement, refit,
 };
 pub use rays::{parse_hits, parse_rays, read_hits, read_rays, write_hits, write_rays};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};

@@ -1,4 +1,4 @@
-//! Scenes with quantised nodes, compared with the same scenes with wide ones.
+//! Scenes with compressed nodes, compared with the same scenes with wide ones, and with those of obvhs.
 
 use crate::common::meshes::{self, Named};
 use crate::common::rays::{Kind, rays};
@@ -20,21 +20,25 @@ fn hits_are_those_of_wide_nodes() {
     for Named { name, mesh } in meshes::all() {
         let scene = Scene::new(mesh.clone()).unwrap();
         let wide = scene.clone().through_unit().unwrap();
-        let quantised = scene.through_unit_of(NodeKind::Quantised).unwrap();
-        let nodes = wide.bvh().nodes().len();
-        let triangles = mesh.triangles().len();
-        assert_eq!(quantised.blocks().unwrap().bytes().len(), 64 * (nodes + triangles));
+        let [quantised, wide8] =
+            [NodeKind::Quantised, NodeKind::Wide8].map(|nodes| scene.clone().through_unit_of(nodes).unwrap());
+        let size = |scene: &Scene| scene.blocks().unwrap().bytes().len();
+        assert_eq!(size(&quantised), 64 * (wide.bvh().nodes().len() + mesh.triangles().len()));
+        assert!(size(&wide8) < size(&wide), "{name}: {} bytes, {} with wide nodes", size(&wide8), size(&wide));
         for two_sided in [false, true] {
             let tracing = Tracing { two_sided, rules: Rules::Paper };
-            let (mut more, mut found) = (0, 0);
+            let (mut nodes, mut found) = ([0; 3], 0);
             for kind in Kind::ALL {
                 let rays = rays(&mesh, kind, 2_000, 7);
-                let (expected, few) = trace_closest(&wide, &rays, tracing, &|_| true).unwrap();
-                let (hits, many) = trace_closest(&quantised, &rays, tracing, &|_| true).unwrap();
-                assert!(bits(&hits) == bits(&expected), "{name}, {kind:?}, {tracing:?}");
-                (more, found) = (more + many.nodes - few.nodes, found + hits.iter().flatten().count());
+                let (expected, counts) = trace_closest(&wide, &rays, tracing, &|_| true).unwrap();
+                (nodes[0], found) = (nodes[0] + counts.nodes, found + expected.iter().flatten().count());
+                for (scene, nodes) in [&quantised, &wide8].into_iter().zip(&mut nodes[1..]) {
+                    let (hits, counts) = trace_closest(scene, &rays, tracing, &|_| true).unwrap();
+                    assert!(bits(&hits) == bits(&expected), "{name}, {kind:?}, {tracing:?}");
+                    *nodes += counts.nodes;
+                }
             }
-            assert!(found > 1000 && more > 100, "{name}: {found} hits, {more} more nodes");
+            assert!(found > 1000 && nodes[1] > nodes[0] + 100 && nodes[2] < nodes[0], "{name}: {found}, {nodes:?}");
         }
     }
 }

@@ -81,7 +81,7 @@ fn coincident_triangles_are_hit() {
             triangles.push([first, first + 1, first + 2]);
         }
         let scene = Scene::new(Mesh::new(positions, triangles).unwrap()).unwrap();
-        for nodes in [NodeKind::Wide4, NodeKind::Quantised] {
+        for nodes in NodeKind::ALL {
             let scene = scene.clone().through_unit_of(nodes).unwrap();
             let (hits, _) = trace_closest(&scene, &rays, tracing, &|_| true).unwrap();
             let hits: Vec<_> = hits.iter().flatten().map(|hit| (hit.triangle, hit.t, hit.from_behind)).collect();
@@ -119,6 +119,12 @@ fn rays_that_the_unit_ends_with_an_error_are_errors() {
 
 /// The closest triangle, and its distance, among the jobs of all triangles.
 fn of_all(mesh: &Mesh, ray: &Ray<Binary32>) -> Option<(u32, f32)> {
+    let hits = (0..mesh.triangles().len() as u32).filter_map(|index| Some((index, of_one(mesh, ray, index)?)));
+    hits.min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// The distance of a triangle, front or back.
+pub fn of_one(mesh: &Mesh, ray: &Ray<Binary32>, index: u32) -> Option<f32> {
     let both_faces = RayTriangleExtended {
         rules: Rules::Paper,
         rounding: Rounding::Unit,
@@ -128,14 +134,11 @@ fn of_all(mesh: &Mesh, ray: &Ray<Binary32>) -> Option<(u32, f32)> {
         barycentrics: false,
         range: false,
     };
-    let hits = (0..mesh.triangles().len() as u32).filter_map(|index| {
-        let [a, b, c] = mesh.corners(index);
-        let input = RayTriangleExtendedInput { ray: *ray, triangle: Triangle::new(a, b, c), t_min: 0.0.into() };
-        let (outcome, ()) = both_faces.run(Binary32, input, ());
-        let t = f32::from(outcome.t_num) / f32::from(outcome.t_denom);
-        (bool::from(outcome.triangle_hit) && t <= f32::from(ray.extent)).then_some((index, t))
-    });
-    hits.min_by(|(_, a), (_, b)| a.total_cmp(b))
+    let [a, b, c] = mesh.corners(index);
+    let input = RayTriangleExtendedInput { ray: *ray, triangle: Triangle::new(a, b, c), t_min: 0.0.into() };
+    let (outcome, ()) = both_faces.run(Binary32, input, ());
+    let t = f32::from(outcome.t_num) / f32::from(outcome.t_denom);
+    (bool::from(outcome.triangle_hit) && t <= f32::from(ray.extent)).then_some(t)
 }
 
 /// The simulated unit draws the picture of the functional model and does its work, whatever the memory.

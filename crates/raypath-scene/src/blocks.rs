@@ -98,13 +98,13 @@ impl Blocks {
             _ => Queries::Flags,
         };
         let features = UnitFeatures { queries, ..UnitFeatures::OFF };
-        Ok(Self { levels, node_count: bvh.nodes().len(), features, ..Self::of_bytes(nodes, kind) })
+        Ok(Self { features, ..Self::of_bytes(nodes, kind, bvh.nodes().len(), levels) })
     }
 
     /// Objects in memory, of which nothing is placed yet. The root of the first is at address 0.
-    pub(crate) fn of_bytes(bytes: Vec<u8>, nodes: NodeKind) -> Self {
+    pub(crate) fn of_bytes(bytes: Vec<u8>, nodes: NodeKind, node_count: usize, levels: u32) -> Self {
         let root = Child::Node { address: 0 }.word(nodes).unwrap_or(0);
-        Self { bytes, nodes, root, levels: 0, node_count: 0, features: UnitFeatures::OFF, bounds: Bounds::EMPTY }
+        Self { bytes, nodes, root, levels, node_count, features: UnitFeatures::OFF, bounds: Bounds::EMPTY }
     }
 
     /// This object at places, each with its bounds in the scene and how much larger its box is.
@@ -281,11 +281,11 @@ fn bounds_of_parts(parts: &[Part]) -> Bounds {
     parts.iter().fold(Bounds::EMPTY, |all, part| all.union(part.bounds))
 }
 
-fn check_levels(levels: u32) -> Result<(), BlocksError> {
+pub(crate) fn check_levels(levels: u32) -> Result<(), BlocksError> {
     if levels > LEVELS { Err(BlocksError::TooDeep { levels }) } else { Ok(()) }
 }
 
-fn check_size(bytes: u64) -> Result<(), BlocksError> {
+pub(crate) fn check_size(bytes: u64) -> Result<(), BlocksError> {
     if bytes > u64::from(u32::MAX) { Err(BlocksError::TooLarge { bytes }) } else { Ok(()) }
 }
 

@@ -84,7 +84,7 @@ pub fn group(
             pad,
         })
         .collect();
-    let mut blocks = Blocks::of_bytes(bytes, nodes).placed(&placed)?;
+    let mut blocks = Blocks::of_bytes(bytes, nodes, 0, 0).placed(&placed)?;
     blocks.nest_if(has_instances);
     Ok(Group { bounds: blocks.bounds(), blocks, reach })
 }

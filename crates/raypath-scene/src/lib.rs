@@ -3,6 +3,7 @@
 
 pub mod blocks;
 pub mod bvh;
+mod cwbvh;
 mod group;
 pub mod mesh;
 pub mod placement;
@@ -12,6 +13,7 @@ pub mod vector;
 
 pub use blocks::{Blocks, BlocksError};
 pub use bvh::Bvh4;
+pub use cwbvh::CwbvhError;
 pub use group::{Group, Member, MemberPlace, group};
 pub use mesh::{Bounds, Geometry, Mesh, MeshError, TrianglePlace};
 pub use placement::{Placement, PlacementError};

@@ -111,7 +111,8 @@ impl<'s> Tracer<'s> {
                 let reply = unit.trace(blocks.bytes(), &request);
                 let errors = UnitErrors::of(reply.status);
                 let (nodes, triangles) = (u64::from(reply.nodes), u64::from(reply.triangles));
-                *counts = Counts { quadbox: nodes, nodes, triangle: triangles, errors, ..Counts::default() };
+                let quadbox = nodes * blocks.nodes().children() as u64 / 4;
+                *counts = Counts { quadbox, nodes, triangle: triangles, errors, ..Counts::default() };
                 reply.hit.map(Hit::from)
             }
         }
