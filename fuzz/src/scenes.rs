@@ -34,6 +34,7 @@ pub fn scene(bytes: &[u8]) -> bool {
         flags: RAY_FLAGS.into_iter().filter(|(bit, _)| flags & bit != 0).fold(0, |all, (_, flag)| all | flag),
         cull_mask: 1 << (flags & 7),
         root: word(8),
+        base: 0,
     };
     let node = if node & 1 == 0 { NodeKind::Wide4 } else { NodeKind::Quantised };
     let instances = node == NodeKind::Wide4 && flags & 8 != 0;
@@ -60,7 +61,7 @@ struct Bounded<'b> {
 }
 
 impl Memory for Bounded<'_> {
-    fn block(&self, address: u32, bytes: u32) -> Result<&[u8], MemoryError> {
+    fn block(&self, address: u64, bytes: u32) -> Result<&[u8], MemoryError> {
         let left = self.left.get().checked_sub(1).ok_or(MemoryError(address))?;
         self.left.set(left);
         self.bytes.block(address, bytes)

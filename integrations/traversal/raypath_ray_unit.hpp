@@ -18,7 +18,7 @@ class Memory {
  public:
   virtual ~Memory() = default;
   /// A read of `bytes` bytes: whether the memory takes it in this cycle. The answer is `RayUnit::respond` with the tag.
-  virtual bool read(std::uint32_t address, std::uint32_t bytes, std::uint32_t tag) = 0;
+  virtual bool read(std::uint64_t address, std::uint32_t bytes, std::uint32_t tag) = 0;
 };
 
 /// A unit with its own clock. `cycle` is the clock edge; `issue`, `respond` and `retire` act in the cycle before it.

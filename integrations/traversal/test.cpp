@@ -16,7 +16,7 @@ class FixedLatency : public raypath::host::Memory {
  public:
   explicit FixedLatency(const raypath::Scene &scene) : scene_(scene.bytes()) {}
 
-  bool read(std::uint32_t address, std::uint32_t bytes, std::uint32_t tag) override {
+  bool read(std::uint64_t address, std::uint32_t bytes, std::uint32_t tag) override {
     CHECK_EQUAL(address + bytes <= scene_.size(), true);
     if (now % 3 == 0) return false;
     pending_.push_back({now + 40, address, tag});

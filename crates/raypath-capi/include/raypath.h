@@ -626,7 +626,7 @@ typedef struct {
 } raypath_result;
 
 /**
- * A ray as the traversal unit takes it, 44 bytes. The members are the ports of the ray's channel.
+ * A ray as the traversal unit takes it, 48 bytes. The members are the ports of the ray's channel.
  */
 typedef struct {
   /**
@@ -658,6 +658,11 @@ typedef struct {
    * The child word of the scene's root.
    */
   uint32_t root;
+  /**
+   * With `address-width` above 32: the bits of every address above its lower 32. A scene lies within the 4 GiB that
+   * it selects. 0 in other units.
+   */
+  uint32_t base;
 } raypath_unit_ray;
 
 /**
@@ -882,6 +887,10 @@ typedef struct {
    */
   uint32_t id_width;
   /**
+   * Bits of an address.
+   */
+  uint32_t address_width;
+  /**
    * Cycles of a division.
    */
   uint32_t divider_latency;
@@ -942,7 +951,7 @@ typedef struct {
   /**
    * The address of the block.
    */
-  uint32_t mem_req_addr;
+  uint64_t mem_req_addr;
   /**
    * The tag of its response.
    */
@@ -1088,9 +1097,9 @@ typedef struct {
    */
   uint32_t phase;
   /**
-   * The address of the block that it asked for last; 0 before.
+   * The address of the block that it asked for last; before, the first of its window.
    */
-  uint32_t address;
+  uint64_t address;
 } raypath_ray_inside;
 
 /**
@@ -1542,7 +1551,7 @@ raypath_status raypath_pipeline_clone(const raypath_pipeline *pipeline, raypath_
  * Begins a query with a ray, and sets `*query`. The unit may be closed before the query. Only a unit with
  * `queries = "full"` has candidates.
  *
- * Errors: `RAYPATH_ERROR_ARGUMENT` for flags or a mask out of range; `RAYPATH_ERROR_NULL`, `_ALIGNMENT`.
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for flags, a mask or a base out of range; `RAYPATH_ERROR_NULL`, `_ALIGNMENT`.
  *
  * # Safety
  * `unit` is NULL or an open unit; `ray` is NULL or points to a structure; `query` is NULL or points to a pointer.
@@ -1735,9 +1744,9 @@ const char *raypath_last_error(void);
 
 /**
  * Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
- * `contexts`, `stack`, `node`, `memory-width`, `id-width`, `divider-latency`, `instances`, `queries`, `front`. For example
- * `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default. Of the features, a
- * unit has `barycentrics` alone. Any thread may call it.
+ * `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `instances`, `queries`,
+ * `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default.
+ * Of the features, a unit has `barycentrics` alone. Any thread may call it.
  *
  * Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
  * `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.
@@ -1788,8 +1797,8 @@ raypath_status raypath_unit_parameters(const raypath_unit *unit, raypath_unit_pa
  * of the scene has the address 0; an address outside of it is an error of the memory, which ends a ray with
  * `RAYPATH_UNIT_MEMORY`. Of candidates, triangles are accepted and boxes ignored. Any thread may call it.
  *
- * Errors: `RAYPATH_ERROR_ARGUMENT` for flags or a mask out of range, with the index of the ray; `RAYPATH_ERROR_NULL`,
- * `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for flags, a mask or a base out of range, with the index of the ray;
+ * `RAYPATH_ERROR_NULL`, `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
  *
  * # Safety
  * `unit` is NULL or an open unit; the arrays are NULL or have that many elements.
@@ -1844,15 +1853,16 @@ raypath_status raypath_unit_model_outputs(const raypath_unit_model *model, raypa
 /**
  * The clock edge that ends this cycle.
  *
- * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags or a mask out of range, a
- * beat whose tag is that of no request that waits for one, and a verdict whose tag is that of no candidate that was
- * taken; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags, a mask or a base out of
+ * range, a beat whose tag is that of no request that waits for one, and a verdict whose tag is that of no candidate that
+ * was taken; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
  *
  * # Safety
  * `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an
  * eighth of the memory's width if it is valid.
  */
-raypath_status raypath_unit_model_step(raypath_unit_model *model, const raypath_unit_inputs *inputs);
+raypath_status raypath_unit_model_step(raypath_unit_model *model,
+                                       const raypath_unit_inputs *inputs);
 
 /**
  * Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the

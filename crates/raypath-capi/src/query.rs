@@ -19,7 +19,7 @@ pub type Decide =
 /// Begins a query with a ray, and sets `*query`. The unit may be closed before the query. Only a unit with
 /// `queries = "full"` has candidates.
 ///
-/// Errors: `RAYPATH_ERROR_ARGUMENT` for flags or a mask out of range; `RAYPATH_ERROR_NULL`, `_ALIGNMENT`.
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for flags, a mask or a base out of range; `RAYPATH_ERROR_NULL`, `_ALIGNMENT`.
 ///
 /// # Safety
 /// `unit` is NULL or an open unit; `ray` is NULL or points to a structure; `query` is NULL or points to a pointer.

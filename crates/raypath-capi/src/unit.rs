@@ -30,6 +30,8 @@ pub struct UnitParameters {
     pub memory_width: u32,
     /// Bits of the id of a ray.
     pub id_width: u32,
+    /// Bits of an address.
+    pub address_width: u32,
     /// Cycles of a division.
     pub divider_latency: u32,
     /// Whether scenes have instances: 0 or 1.
@@ -90,9 +92,9 @@ pub const RAYPATH_INSTANCE_FORCE_OPAQUE: u32 = 4;
 pub const RAYPATH_INSTANCE_FORCE_NO_OPAQUE: u32 = 8;
 
 /// Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
-/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `divider-latency`, `instances`, `queries`, `front`. For example
-/// `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default. Of the features, a
-/// unit has `barycentrics` alone. Any thread may call it.
+/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `instances`, `queries`,
+/// `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default.
+/// Of the features, a unit has `barycentrics` alone. Any thread may call it.
 ///
 /// Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
 /// `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.
@@ -161,6 +163,7 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
             block_bytes: parameters.step.node.block_bytes(),
             memory_width: parameters.memory_width,
             id_width: parameters.id_width,
+            address_width: parameters.address_width,
             divider_latency: parameters.divider_latency,
             instances: parameters.step.features.instances.into(),
             queries: match parameters.step.features.queries {
@@ -178,8 +181,8 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
 /// of the scene has the address 0; an address outside of it is an error of the memory, which ends a ray with
 /// `RAYPATH_UNIT_MEMORY`. Of candidates, triangles are accepted and boxes ignored. Any thread may call it.
 ///
-/// Errors: `RAYPATH_ERROR_ARGUMENT` for flags or a mask out of range, with the index of the ray; `RAYPATH_ERROR_NULL`,
-/// `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for flags, a mask or a base out of range, with the index of the ray;
+/// `RAYPATH_ERROR_NULL`, `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
 ///
 /// # Safety
 /// `unit` is NULL or an open unit; the arrays are NULL or have that many elements.

@@ -70,7 +70,7 @@ pub struct UnitOutputs {
     /// 1: a block is requested. The request stays at the outputs until a step takes it.
     pub mem_req_valid: u32,
     /// The address of the block.
-    pub mem_req_addr: u32,
+    pub mem_req_addr: u64,
     /// The tag of its response.
     pub mem_req_tag: u32,
 }
@@ -134,8 +134,8 @@ pub struct RayInside {
     pub context: u32,
     /// One of `RAYPATH_PHASE_…`.
     pub phase: u32,
-    /// The address of the block that it asked for last; 0 before.
-    pub address: u32,
+    /// The address of the block that it asked for last; before, the first of its window.
+    pub address: u64,
 }
 
 /// Makes a model of the unit after a reset, and sets `*model`. The unit may be closed before the model. Any thread may
@@ -185,9 +185,9 @@ pub unsafe extern "C" fn raypath_unit_model_outputs(model: *const UnitModel, out
 
 /// The clock edge that ends this cycle.
 ///
-/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags or a mask out of range, a
-/// beat whose tag is that of no request that waits for one, and a verdict whose tag is that of no candidate that was
-/// taken; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, flags, a mask or a base out of
+/// range, a beat whose tag is that of no request that waits for one, and a verdict whose tag is that of no candidate that
+/// was taken; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
 ///
 /// # Safety
 /// `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an

@@ -100,7 +100,7 @@ impl Unit {
     /// The first such ray, with its index.
     pub fn check(&self, rays: &[UnitRay]) -> Result<(), Error> {
         for (index, ray) in rays.iter().enumerate() {
-            ray.check().map_err(|problem| Error::Argument(format!("ray {index}: {problem}")))?;
+            ray.check(self.parameters()).map_err(|problem| Error::Argument(format!("ray {index}: {problem}")))?;
         }
         Ok(())
     }

@@ -71,8 +71,8 @@ const NOTHING: UnitHit = UnitHit {
 };
 
 fn of(ray: &RayRequest) -> UnitRay {
-    let &RayRequest { origin, direction, t_min, t_max, flags, cull_mask, root } = ray;
-    UnitRay { origin, direction, t_min, t_max, flags, cull_mask: cull_mask.into(), root }
+    let &RayRequest { origin, direction, t_min, t_max, flags, cull_mask, root, base } = ray;
+    UnitRay { origin, direction, t_min, t_max, flags, cull_mask: cull_mask.into(), root, base }
 }
 
 #[test]

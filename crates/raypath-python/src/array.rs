@@ -113,7 +113,7 @@ structures! {
     Ray: "raypath.RAY", ["origin": "(3,)f4" @ 0, "direction": "(3,)f4" @ 12, "inverse": "(3,)f4" @ 24,
         "extent": "f4" @ 36, "shear": "(3,)f4" @ 40, "kx": "u4" @ 52, "ky": "u4" @ 56, "kz": "u4" @ 60];
     UnitRay: "raypath.UNIT_RAY", ["origin": "(3,)f4" @ 0, "direction": "(3,)f4" @ 12, "t_min": "f4" @ 24,
-        "t_max": "f4" @ 28, "flags": "u4" @ 32, "cull_mask": "u4" @ 36, "root": "u4" @ 40];
+        "t_max": "f4" @ 28, "flags": "u4" @ 32, "cull_mask": "u4" @ 36, "root": "u4" @ 40, "base": "u4" @ 44];
     // A truth value is a word of 32 bits of value 0 or 1, shown as its least significant byte. Indices are signed, so
     // that -1 is none.
     TriangleResult: "triangle", ["t_num": "f4" @ 0, "t_denom": "f4" @ 4, "triangle_hit": "?" @ 8 + LEAST_BYTE];

@@ -31,7 +31,8 @@ use std::sync::Arc;
 ///     preset: the name of a configuration of the datapath, as for ``Datapath``. Distance operations are left out.
 ///     config: in place of a preset, the path of a TOML file, or its text, which contains "=".
 ///     flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
-///         ``node``, ``memory_width``, ``id_width``, ``divider_latency``, ``front``, and those of the datapath.
+///         ``node``, ``memory_width``, ``id_width``, ``address_width``, ``divider_latency``, ``front``, and those of the
+///         datapath.
 ///         ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
 ///         masks and flags of instances; ``queries="full"`` for candidates and procedural boxes, too.
 ///
@@ -208,7 +209,7 @@ impl Unit {
     ///     bits of the hardware, for any memory and any number of contexts. All cores work on them.
     ///
     /// Raises:
-    ///     ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
+    ///     ValueError: another type or shape; a ray with ``flags``, a ``cull_mask`` or a ``base`` out of range.
     ///     KeyboardInterrupt: after Ctrl-C.
     ///
     /// Warns:
@@ -240,7 +241,7 @@ impl Unit {
     ///     A ``raypath.Query``: iterate over it for candidates, and then take its ``hits``.
     ///
     /// Raises:
-    ///     ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
+    ///     ValueError: another type or shape; a ray with ``flags``, a ``cull_mask`` or a ``base`` out of range.
     ///
     /// Warns:
     ///     UserWarning: a ray begins beyond the ``reach`` of the scene.
@@ -524,15 +525,18 @@ impl UnitScene {
     ///     t_max: hits count below this distance; infinity reaches everything.
     ///     flags: ``raypath.RayFlags``.
     ///     cull_mask: 8 bits; with ``instances`` and ``queries``, instances count whose mask has one of them.
+    ///     base: with ``address_width`` above 32, the bits of every address above its lower 32. The memory of
+    ///         ``trace`` has the addresses of base 0.
     ///
     /// Returns:
     ///     A structured array of shape (n,) with the fields of the C structure ``raypath_unit_ray``: ``origin``,
-    ///     ``direction``, ``t_min``, ``t_max``, ``flags``, ``cull_mask`` and ``root``. A field can be changed for each
-    ///     ray.
+    ///     ``direction``, ``t_min``, ``t_max``, ``flags``, ``cull_mask``, ``root`` and ``base``. A field can be changed
+    ///     for each ray.
     ///
     /// Raises:
     ///     ValueError: another type or shape.
-    #[pyo3(signature = (origins, directions, *, t_min = 0.0, t_max = f32::INFINITY, flags = 0, cull_mask = 255))]
+    #[pyo3(signature = (origins, directions, *, t_min = 0.0, t_max = f32::INFINITY, flags = 0, cull_mask = 255,
+        base = 0))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn rays<'py>(
         &self,
@@ -543,13 +547,14 @@ impl UnitScene {
         t_max: f32,
         flags: u32,
         cull_mask: u32,
+        base: u32,
     ) -> PyResult<Bound<'py, PyAny>> {
         let origins = items::<[f32; 3]>(origins, "origins")?;
         let directions = items_like::<[f32; 3]>(directions, "directions", origins.len(), "origins")?;
         let root = self.root;
         let mut output = Output::new::<UnitRay>(py, origins.len())?;
         for (ray, (&origin, &direction)) in output.items()?.iter_mut().zip(origins.iter().zip(directions.iter())) {
-            *ray = UnitRay { origin, direction, t_min, t_max, flags, cull_mask, root };
+            *ray = UnitRay { origin, direction, t_min, t_max, flags, cull_mask, root, base };
         }
         Ok(output.into_array())
     }

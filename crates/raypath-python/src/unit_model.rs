@@ -10,6 +10,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use raypath_embed::{self as embed, BlockRequest, Response, UnitCounts, UnitHit, UnitRay, UnitStalls, UnitVerdict};
+use raypath_traversal::Memory;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
@@ -196,7 +197,8 @@ impl UnitModel {
                 let at = |ready: Option<&[Truth]>| ready.is_none_or(|ready| ready[now as usize].0 != 0);
                 let number = |place| ids.map_or(place as u64, |ids| ids[place]);
                 let response = due.front().filter(|(when, ..)| *when <= now && answers).map(|(_, request, sent)| {
-                    let beat = bytes.get(request.address as usize + sent * width..).and_then(|rest| rest.get(..width));
+                    let block = bytes.block(request.address, block as u32).ok();
+                    let beat = block.and_then(|block| block.get(sent * width..)?.get(..width));
                     Response { tag: request.tag, is_error: beat.is_none(), beat: beat.unwrap_or(&nothing) }
                 });
                 let inputs = embed::UnitInputs {
@@ -377,7 +379,7 @@ impl UnitOutputs {
 
     /// The address of a block that is requested and the tag of its response, or None.
     #[getter]
-    fn request(&self) -> Option<(u32, u32)> {
+    fn request(&self) -> Option<(u64, u32)> {
         self.0.request.map(|request| (request.address, request.tag))
     }
 

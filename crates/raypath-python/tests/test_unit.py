@@ -212,9 +212,28 @@ def test_simulation(unit: raypath.Unit, scene: raypath.UnitScene) -> None:
     assert cached["cycles"] < slow["cycles"]
 
 
+def test_bases() -> None:
+    """Two rays in different windows of 4 GiB, of which the first has the scene: a node and a leaf."""
+    unit = raypath.Unit("compact", contexts=8, address_width=40)
+    scene = unit.scene(f32([[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]]))
+    rays = scene.rays(np.tile(f32([0, 0, 4]), (2, 1)), np.tile(f32([0, 0, -1]), (2, 1)), base=255)
+    rays["base"][1] = 0
+    assert unit.trace(scene, rays).status.tolist() == [raypath.UnitStatus.MEMORY, raypath.UnitStatus.HIT]
+    found = raypath.UnitModel(unit).run(500, rays, scene=scene)
+    assert found["request_addresses"].tolist() == [255 << 32, 0, 128]
+    assert dict(zip(found["hit_ids"].tolist(), found["hits"].status.tolist())) == {0: 4, 1: 1}
+
+
 def test_parameters(unit: raypath.Unit) -> None:
     """Keywords and TOML set the same parameters."""
-    numbers_of = {"contexts": 8, "stack": 2, "memory_width": 256, "id_width": 12, "divider_latency": 11}
+    numbers_of = {
+        "contexts": 8,
+        "stack": 2,
+        "memory_width": 256,
+        "id_width": 12,
+        "address_width": 32,
+        "divider_latency": 11,
+    }
     parts = {"instances": False, "nested_instances": False, "queries": "none", "front": "counter-clockwise"}
     expected = {**numbers_of, "node": "wide4", **parts}
     assert unit.parameters == expected
@@ -541,6 +560,11 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
     (lambda unit: unit.trace(SCENE, ONES), r"rays: found .* expected .* raypath.UNIT_RAY"),
     (lambda unit: unit.trace(SCENE, changed("flags", 1024)), r"ray 1: flags is 1024, expected 0 to 1023"),
     (lambda unit: unit.simulate(SCENE, changed("cull_mask", 256)), r"ray 1: cull_mask is 256"),
+    (lambda unit: raypath.Unit(address_width=31), r"address_width: '31', expected 32 to 64"),
+    (
+        lambda unit: unit.trace(SCENE, changed("base", 1)),
+        r"ray 1: base is 1, expected 0 to 0 with addresses of 32 bits",
+    ),
     (lambda unit: unit.simulate(SCENE, RAYS, latency=0), r"latency of 0 cycles, expected 1 to 1000000"),
     (lambda unit: unit.simulate(SCENE, RAYS, bandwidth=0), r"0 bytes a cycle, expected 1 to 65536"),
     (lambda unit: unit.simulate(SCENE, RAYS, cache=100), r"a cache of 100 bytes"),

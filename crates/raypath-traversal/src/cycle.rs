@@ -34,8 +34,8 @@ pub struct RayInside {
     pub id: u64,
     /// What it waits for.
     pub phase: RayPhase,
-    /// The address of the block that it asked for last; 0 before.
-    pub address: u32,
+    /// The address of the block that it asked for last; before, the first of its window.
+    pub address: u64,
 }
 
 /// What a ray in a context waits for.
@@ -73,7 +73,7 @@ impl UnitModel {
     pub fn rays(&self) -> impl Iterator<Item = RayInside> + '_ {
         let is_requesting = self.timing.requesting();
         self.timing.occupied().map(move |context| {
-            let Asked { kind, address, .. } = self.contexts.asked(context);
+            let Asked { kind, .. } = self.contexts.asked(context);
             let phase = match kind {
                 AskedKind::Begin => RayPhase::SetUp,
                 AskedKind::Block if is_requesting[usize::from(context)] => RayPhase::Memory,
@@ -81,6 +81,7 @@ impl UnitModel {
                 AskedKind::Verdict => RayPhase::Verdict,
                 AskedKind::Nothing => RayPhase::Ended,
             };
+            let address = self.contexts.address(context);
             RayInside { context: context.into(), id: self.contexts.id(context), phase, address }
         })
     }

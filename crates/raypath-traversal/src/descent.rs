@@ -510,6 +510,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         }
         self.nodes += nodes;
         self.triangles += triangles;
+        let address = RayRequest::address(self.ray.base, address);
         self.memory.block(address, self.parameters.node.block_bytes()).map_err(|_| status::MEMORY)
     }
 }

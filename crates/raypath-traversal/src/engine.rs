@@ -67,7 +67,7 @@ pub struct AskedCandidate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BlockRequest {
     /// The address of the block.
-    pub address: u32,
+    pub address: u64,
     /// The tag of the response.
     pub tag: u32,
 }
@@ -165,6 +165,8 @@ pub struct UnitPorts {
     /// The width of each input.
     widths: Vec<u32>,
     features: UnitFeatures,
+    /// Rays have a base.
+    has_base: bool,
 }
 
 impl UnitPorts {
@@ -178,12 +180,13 @@ impl UnitPorts {
         };
         let (barycentrics, instances) = (has("hit_u_o"), has("hit_instance_o"));
         let features = UnitFeatures { barycentrics, instances, queries, ..UnitFeatures::OFF };
-        Self { widths: top.inputs().iter().map(|port| top.signal(port.signal).width).collect(), features }
+        let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
+        Self { widths, features, has_base: has("ray_base_i") }
     }
 
     /// The words of the inputs. Inputs of channels that are not valid have the values of `arbitrary`.
     pub fn words(&self, inputs: &UnitInputs<'_>, mut arbitrary: impl FnMut() -> u64) -> Vec<u64> {
-        let Self { widths, features } = self;
+        let Self { widths, features, has_base } = self;
         let mut words: Vec<u64> = Vec::with_capacity(widths.len());
         words.push(inputs.ray.is_some().into());
         let has_mask = features.has("cull_mask");
@@ -192,10 +195,14 @@ impl UnitPorts {
                 words.extend([id, ray.flags.into()]);
                 words.extend(has_mask.then_some(u64::from(ray.cull_mask)));
                 words.push(ray.root.into());
+                words.extend(has_base.then_some(u64::from(ray.base)));
                 let numbers = ray.origin.into_iter().chain(ray.direction).chain([ray.t_min, ray.t_max]);
                 words.extend(numbers.map(|number| u64::from(number.to_bits())));
             }
-            None => words.extend((0..RAY_PORTS + usize::from(has_mask)).map(|_| arbitrary())),
+            None => {
+                let count = RAY_PORTS + usize::from(has_mask) + usize::from(*has_base);
+                words.extend((0..count).map(|_| arbitrary()));
+            }
         }
         words.push(inputs.hit_ready.into());
         if features.has_candidates() {
@@ -241,7 +248,7 @@ impl UnitPorts {
         hit.instance = instance.and_then(HitInstance::or_none);
         let reply = Reply { status: end, hit: status::is_hit(end).then_some(hit), nodes, triangles };
         let candidate = if self.features.has_candidates() { self.candidate(&mut word) } else { None };
-        let (has_request, address, tag) = (word() == 1, word() as u32, word() as u32);
+        let (has_request, address, tag) = (word() == 1, word(), word() as u32);
         UnitOutputs {
             ray_ready,
             hit: has_hit.then_some((id, reply)),
@@ -276,5 +283,5 @@ impl UnitPorts {
     }
 }
 
-/// The ports of a ray besides `ray_valid_i`, without its mask.
+/// The ports of a ray besides `ray_valid_i`, without its mask and its base.
 const RAY_PORTS: usize = 11;

@@ -17,19 +17,20 @@ pub trait Memory {
     ///
     /// # Errors
     /// There is no block at the address.
-    fn block(&self, address: u32, bytes: u32) -> Result<&[u8], MemoryError>;
+    fn block(&self, address: u64, bytes: u32) -> Result<&[u8], MemoryError>;
 }
 
 /// The error of an address without a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("there is no block at address {0:#x}")]
-pub struct MemoryError(pub u32);
+pub struct MemoryError(pub u64);
 
 impl Memory for [u8] {
     #[inline]
-    fn block(&self, address: u32, bytes: u32) -> Result<&[u8], MemoryError> {
-        let block = self.get(address as usize..).and_then(|rest| rest.get(..bytes as usize));
-        block.filter(|_| address & (bytes - 1) == 0).ok_or(MemoryError(address))
+    fn block(&self, address: u64, bytes: u32) -> Result<&[u8], MemoryError> {
+        let rest = usize::try_from(address).ok().and_then(|first| self.get(first..));
+        let block = rest.and_then(|rest| rest.get(..bytes as usize));
+        block.filter(|_| address & u64::from(bytes - 1) == 0).ok_or(MemoryError(address))
     }
 }
 
@@ -50,6 +51,10 @@ pub struct RayRequest {
     pub cull_mask: u8,
     /// The child word of the scene's root.
     pub root: u32,
+    /// Bits 63 to 32 of every address that the ray reads, the only ones that no child word has. They are put before
+    /// those of a child word, not added: hardware needs no adder and no carry, and a scene lies within a window of
+    /// 4 GiB, which a driver can move as a whole. 0 in a unit with addresses of 32 bits.
+    pub base: u32,
 }
 
 impl RayRequest {
@@ -62,7 +67,14 @@ impl RayRequest {
         flags: 0,
         cull_mask: u8::MAX,
         root: 0,
+        base: 0,
     };
+
+    /// The address of a block of which child words have the lower 32 bits.
+    #[inline(always)]
+    pub(crate) fn address(base: u32, lower: u32) -> u64 {
+        u64::from(base) << 32 | u64::from(lower)
+    }
 }
 
 /// The hit of a ray.

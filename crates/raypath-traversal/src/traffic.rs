@@ -39,11 +39,11 @@ pub struct ProtocolError(pub String);
 /// address in the scene is an error of the memory.
 ///
 /// The id of a ray is its number, cut to the unit's width of ids. A ray waits while another with its id is inside.
-pub struct Environment<'s> {
-    scene: &'s [u8],
+pub struct Environment<'s, M: ?Sized = [u8]> {
+    memory: &'s M,
     parameters: UnitParameters,
     /// The bits of an address that the memory reads.
-    address_mask: u32,
+    address_mask: u64,
     behaviour: Behaviour,
     /// The cycles of the longest stall, and the cycle up to which each channel stalls.
     longest_stall: u64,
@@ -90,10 +90,23 @@ impl<'s> Environment<'s> {
         behaviour: Behaviour,
         seed: u64,
     ) -> Self {
+        Self::with_memory(scene, parameters, rays, behaviour, seed)
+    }
+}
+
+impl<'s, M: Memory + ?Sized> Environment<'s, M> {
+    /// The same with any memory.
+    pub fn with_memory(
+        memory: &'s M,
+        parameters: UnitParameters,
+        rays: Vec<RayRequest>,
+        behaviour: Behaviour,
+        seed: u64,
+    ) -> Self {
         Self {
-            scene,
+            memory,
             parameters,
-            address_mask: u32::MAX,
+            address_mask: u64::MAX,
             behaviour,
             longest_stall: 1,
             stalled: [0; 4],
@@ -122,7 +135,7 @@ impl<'s> Environment<'s> {
 
     /// The same with a memory that reads these bits of an address alone.
     pub fn ignoring_upper_bits(self, address_mask: u32) -> Self {
-        Self { address_mask, ..self }
+        Self { address_mask: address_mask.into(), ..self }
     }
 
     /// Whether all rays have ended, or were lost in a reset.
@@ -250,7 +263,7 @@ impl<'s> Environment<'s> {
         }
         if let (Some(BlockRequest { address, tag }), true) = (outputs.request, request_ready) {
             let bytes = self.parameters.step.node.block_bytes();
-            if !address.is_multiple_of(bytes) {
+            if !address.is_multiple_of(bytes.into()) {
                 return Err(wrong(format!("cycle {now}: the address {address:#x} is not aligned")));
             }
             if self.pending.iter().any(|pending| pending.tag == tag) {
@@ -258,7 +271,7 @@ impl<'s> Environment<'s> {
             }
             self.moved = now;
             let (least, greatest) = self.behaviour.latency;
-            let found = self.scene.block(address & self.address_mask, bytes);
+            let found = self.memory.block(address & self.address_mask, bytes);
             self.pending.push(Pending {
                 due: now + self.random.random_range(least..=greatest),
                 tag,

@@ -15,6 +15,8 @@ use raypath_ops::{Binary32, Vec3};
 /// A ray on its way through a scene.
 #[derive(Debug, Clone)]
 pub(crate) struct Walk {
+    /// The upper bits of the ray's addresses.
+    base: u32,
     outside: ReadyRay,
     /// In the space of the instance that it entered last.
     inside: ReadyRay,
@@ -40,7 +42,7 @@ pub(crate) struct Asked {
     pub is_instance: bool,
     /// The ray descends again from the root.
     pub restarts: bool,
-    /// The address of a block.
+    /// The address of a block, without the base of the ray, so that a step that is computed ahead takes 8 bytes.
     pub address: u32,
 }
 
@@ -66,6 +68,7 @@ impl Walk {
         let origin = Vec3 { x: zero, y: zero, z: zero };
         let ready = answers.set_up(&Entry { origin, dir: origin, t_min: zero, t_max: zero });
         Self {
+            base: 0,
             outside: ready,
             inside: ready,
             limits: RayRequest::NONE.limits(StepParameters::default()),
@@ -80,6 +83,7 @@ impl Walk {
 
     /// A ray begins.
     pub fn begin(&mut self, answers: &Answers, parameters: StepParameters, ray: &RayRequest) {
+        self.base = ray.base;
         self.outside = answers.ready(ray);
         self.limits = ray.limits(parameters);
         self.state = RayState::begin(Binary32, ray.words());
@@ -112,7 +116,7 @@ impl Walk {
         }
         let ready = if self.state.inside.into() { &self.inside } else { &self.outside };
         // Each kind of answer has a copy of the step, from which the compiler removes what other answers need.
-        match memory.block(block.address, parameters.node.block_bytes()) {
+        match memory.block(self.address(block), parameters.node.block_bytes()) {
             Ok(bytes) if block.is_instance => {
                 self.inside = answers.instance(parameters.node, ready, bytes);
                 self.advance(parameters, Answers::enter(parameters.node, &self.inside, bytes))
@@ -175,6 +179,12 @@ impl Walk {
         Some(Candidate { hit: if is_box { indices } else { of_triangle }, is_box, is_opaque })
     }
 
+    /// The address of a block that this ray asked for.
+    #[inline]
+    pub fn address(&self, asked: Asked) -> u64 {
+        RayRequest::address(self.base, asked.address)
+    }
+
     /// What it asks for.
     #[inline]
     pub fn asked(&self) -> Asked {
@@ -197,7 +207,8 @@ impl State for AskedKind {
 
 impl State for Walk {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        let Self { outside, inside, limits, state, stack, asked, status, closest, verdict } = self;
+        let Self { base, outside, inside, limits, state, stack, asked, status, closest, verdict } = self;
+        base.pass(words);
         for ReadyRay { ray, is_refused } in [outside, inside] {
             words.bundle(ray);
             is_refused.pass(words);

@@ -22,16 +22,24 @@ fn of_wrapper(port: &str) -> String {
     format!("m_axi_{axi}")
 }
 
-fn netlists(contexts: u32, memory_width: u32) -> (UnitNetlist, std::sync::Arc<Module>) {
-    let parameters = UnitParameters { contexts, memory_width, id_width: 9, ..UnitParameters::default() };
+fn netlists(contexts: u32, memory_width: u32, address_width: u32) -> (UnitNetlist, std::sync::Arc<Module>) {
+    let parameters = UnitParameters { contexts, memory_width, id_width: 9, address_width, ..UnitParameters::default() };
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let axi = unit.axi().expect("a wrapper");
     (unit, axi)
 }
 
+/// Addresses of 32 bits, and of so many that a ray brings some of them.
 #[test]
 fn the_linters_are_silent() {
-    let (unit, axi) = netlists(65, 128);
+    for address_width in [32, 40] {
+        the_linters_are_silent_about(address_width);
+    }
+}
+
+fn the_linters_are_silent_about(address_width: u32) {
+    let (unit, axi) = netlists(65, 128, address_width);
+    assert_eq!(axi.port_width("m_axi_araddr"), Some(address_width));
     let folder = tempfile::tempdir().expect("a folder");
     let mut sources = Sources::write(&axi, folder.path()).expect("sources");
     sources.lint().expect("no report of the linters");
@@ -45,7 +53,7 @@ fn the_linters_are_silent() {
 #[test]
 fn the_wrapper_connects_the_ports_of_the_unit_and_nothing_else() {
     for (memory_width, length, size) in [(128, 7, 4), (256, 3, 5), (512, 1, 6), (1024, 0, 7)] {
-        let (unit, axi) = netlists(8, memory_width);
+        let (unit, axi) = netlists(8, memory_width, 64);
         let [instance] = axi.instances() else { panic!("one instance") };
         assert_eq!((axi.registers().len(), axi.memories().len(), instance.module.name()), (0, 0, unit.top.name()));
         let input = |signal: SignalId| axi.inputs().iter().find(|port| port.signal == signal).map(|port| &port.name);

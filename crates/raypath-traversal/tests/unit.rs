@@ -13,8 +13,8 @@ use raypath_traversal::traffic::{
     Behaviour, BlockScene, Environment, RecordedCycle, RecordedEngine, TwoLevelScene, random_ray, verdict_of,
 };
 use raypath_traversal::{
-    Front, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitInputs,
-    UnitModel, UnitNetlist, UnitParameters, UnitPorts,
+    Front, Memory, MemoryError, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit, UnitEngine,
+    UnitFeatures, UnitInputs, UnitModel, UnitNetlist, UnitParameters, UnitPorts,
 };
 
 const NOTHING: UnitFeatures = UnitFeatures::OFF;
@@ -75,7 +75,8 @@ fn the_model_equals_the_netlist_in_every_cycle() {
     ] {
         let front = [Front::CounterClockwise, Front::Clockwise][seed as usize % 2];
         let step = StepParameters { stack, node, front, features };
-        let parameters = UnitParameters { contexts, step, memory_width, id_width, divider_latency };
+        let parameters =
+            UnitParameters { contexts, step, memory_width, id_width, divider_latency, ..UnitParameters::default() };
         let unit = UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit");
         let (scene, rays) = setting(step, 150, seed);
         for behaviour in [QUIET, SLOW, BLOCKED] {
@@ -99,6 +100,65 @@ fn the_model_equals_the_netlist_in_every_cycle() {
         }
     }
     assert!(entered > 500 && failed > 20, "{entered} instances were entered, {failed} rays failed");
+}
+
+/// Scenes, each in the window of addresses that a base selects.
+struct Windows(Vec<(u32, BlockScene)>);
+
+impl Memory for Windows {
+    fn block(&self, address: u64, bytes: u32) -> Result<&[u8], MemoryError> {
+        let (base, lower) = (address >> 32, address & u64::from(u32::MAX));
+        let window = self.0.iter().find(|(known, _)| u64::from(*known) == base).ok_or(MemoryError(address))?;
+        window.1.0[..].block(lower, bytes)
+    }
+}
+
+/// Rays of different bases, which are inside at the same time, read different scenes. A window without a scene is an
+/// error of the memory.
+#[test]
+fn each_ray_reads_the_window_of_its_base() {
+    for (address_width, node, features) in
+        [(33, Wide4, NOTHING), (40, Quantised, FLAGS), (64, Wide4, EVERYTHING), (64, Quantised, NOTHING)]
+    {
+        let step = StepParameters { node, features, ..StepParameters::default() };
+        let parameters = UnitParameters { contexts: 24, step, address_width, ..UnitParameters::default() };
+        let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+        let width = |port: &str| unit.top.port_width(port);
+        assert_eq!((width("mem_req_addr_o"), width("ray_base_i")), (Some(address_width), Some(address_width - 32)));
+        let greatest = parameters.greatest_base();
+        let (mut windows, mut rays) = (Windows(Vec::new()), Vec::new());
+        for (seed, base) in [0, greatest, greatest / 2 + 1, greatest / 3].into_iter().enumerate() {
+            let (scene, of_scene) = setting(step, 40, seed as u64);
+            rays.push(of_scene.into_iter().map(|ray| RayRequest { base, ..ray }).collect::<Vec<_>>());
+            if windows.0.iter().all(|(known, _)| *known != base) && base != greatest / 3 {
+                windows.0.push((base, scene));
+            }
+        }
+        let rays: Vec<RayRequest> = (0..40).flat_map(|place| rays.iter().map(move |rays| rays[place])).collect();
+        let (mut netlist, mut model) = (NetlistEngine::new(&unit).expect("a simulation"), UnitModel::of(&unit));
+        let mut environment = Environment::with_memory(&windows, parameters, rays.clone(), QUIET, 1);
+        while !environment.is_done() {
+            let checked = environment.cycle(&mut [&mut netlist, &mut model]);
+            checked.unwrap_or_else(|problem| panic!("{parameters}: {problem:?}"));
+            assert!(environment.cycles() < 100_000, "{} rays ended", environment.replies.len());
+        }
+        let mut functional = Unit::new(Rules::Paper, step);
+        let mut trace = |ray: &RayRequest| functional.trace_with(&windows, ray, &mut verdict_of);
+        let expected: Vec<Reply> = rays.iter().map(&mut trace).collect();
+        assert!(environment.replies.values().eq(&expected), "{parameters}");
+        let changed = |ray: &RayRequest| trace(&RayRequest { base: greatest - ray.base, ..*ray });
+        assert_ne!(rays.iter().map(changed).collect::<Vec<_>>(), expected);
+    }
+}
+
+/// A slice has the addresses from 0 on, and those beyond are not taken for others.
+#[test]
+fn a_slice_has_no_window_but_the_first() {
+    let bytes = [7; 128];
+    assert_eq!(bytes[..].block(0, 128), Ok(&bytes[..]));
+    for address in [1 << 32, u64::MAX - 127, 64] {
+        assert_eq!(bytes[..].block(address, 128), Err(MemoryError(address)));
+    }
 }
 
 /// While no hit is taken, a unit accepts a ray for each context, and one more: a hit at the port has given its context

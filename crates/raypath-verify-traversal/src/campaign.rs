@@ -59,7 +59,7 @@ type Setting = (Control, UnitParameters);
 const fn unit(control: Control, [contexts, stack, memory_width, id_width, divider_latency]: [u32; 5]) -> Setting {
     let step =
         StepParameters { stack, node: NodeKind::Wide4, front: Front::CounterClockwise, features: UnitFeatures::OFF };
-    (control, UnitParameters { contexts, step, memory_width, divider_latency, id_width })
+    (control, UnitParameters { contexts, step, memory_width, divider_latency, id_width, address_width: 32 })
 }
 
 const fn with((control, mut parameters): Setting, node: NodeKind, features: UnitFeatures) -> Setting {

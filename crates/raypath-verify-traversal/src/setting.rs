@@ -20,6 +20,7 @@ pub(super) const LEAST: UnitParameters = UnitParameters {
     },
     memory_width: 256,
     id_width: 16,
+    address_width: 32,
     divider_latency: 2,
 };
 

@@ -172,7 +172,8 @@ static void functional_model(const raypath_unit *unit) {
    unit takes them, and hits are taken at once. Sets the hit of each ray and the cycle in which it left. */
 typedef struct {
   uint64_t due;
-  uint32_t address, tag;
+  uint64_t address;
+  uint32_t tag;
 } request;
 
 static void run(raypath_unit_model *model, uint64_t latency, size_t size, bool skips, raypath_unit_hit *found,
@@ -287,6 +288,9 @@ static void wrong_rays(const raypath_unit *unit) {
   two[1].flags = 1024;
   CHECK_FAILS(raypath_unit_trace(unit, scene, sizeof scene, two, 2, results), RAYPATH_ERROR_ARGUMENT,
               "ray 1: flags is 1024, expected 0 to 1023");
+  two[1].flags = 0, two[1].base = 1;
+  CHECK_FAILS(raypath_unit_trace(unit, scene, sizeof scene, two, 2, results), RAYPATH_ERROR_ARGUMENT,
+              "ray 1: base is 1, expected 0 to 0 with addresses of 32 bits");
   CHECK(results[0].status == 0x5a5a5a5au);
   CHECK_FAILS(raypath_unit_trace(NULL, scene, sizeof scene, two, 1, results), RAYPATH_ERROR_NULL, "unit is NULL");
   CHECK_FAILS(raypath_unit_trace(unit, NULL, 128, two, 1, results), RAYPATH_ERROR_NULL, "scene is NULL");
@@ -298,6 +302,43 @@ static void wrong_rays(const raypath_unit *unit) {
   CHECK_FAILS(raypath_unit_trace(unit, scene, 128, two, 1, over), RAYPATH_ERROR_OVERLAP, "rays and hits overlap");
   const uint8_t *same = (const uint8_t *)results;
   CHECK_FAILS(raypath_unit_trace(unit, same, 8, two, 1, results), RAYPATH_ERROR_OVERLAP, "scene and hits overlap");
+}
+
+/* With addresses of 40 bits, a ray brings the upper 8, and the memory is asked for them, too. */
+static void bases(void) {
+  raypath_unit *unit = NULL;
+  raypath_unit_model *model = NULL;
+  CHECK(raypath_unit_open("preset = \"compact\"\naddress-width = 40", &unit) == RAYPATH_OK);
+  raypath_unit_parameter_values values;
+  CHECK(raypath_unit_parameters(unit, &values) == RAYPATH_OK && values.address_width == 40);
+  raypath_unit_inputs inputs;
+  memset(&inputs, 0, sizeof inputs);
+  inputs.ray = rays[0], inputs.ray_valid = 1, inputs.ray.base = 256;
+  raypath_unit_hit hit;
+  CHECK_FAILS(raypath_unit_trace(unit, scene, sizeof scene, &inputs.ray, 1, &hit), RAYPATH_ERROR_ARGUMENT,
+              "ray 0: base is 256, expected 0 to 255 with addresses of 40 bits");
+  CHECK(raypath_unit_model_new(unit, &model) == RAYPATH_OK);
+  CHECK_FAILS(raypath_unit_model_step(model, &inputs), RAYPATH_ERROR_ARGUMENT, "base is 256, expected 0 to 255");
+  inputs.ray.base = 255;
+  CHECK(raypath_unit_model_step(model, &inputs) == RAYPATH_OK);
+  raypath_unit_outputs outputs;
+  CHECK(raypath_unit_model_skip(model, 1000) > 0 && raypath_unit_model_outputs(model, &outputs) == RAYPATH_OK);
+  inputs.ray_valid = 0;
+  while (!outputs.mem_req_valid) {
+    CHECK(raypath_unit_model_step(model, &inputs) == RAYPATH_OK);
+    CHECK(raypath_unit_model_outputs(model, &outputs) == RAYPATH_OK);
+  }
+  raypath_ray_inside inside;
+  CHECK(outputs.mem_req_addr == UINT64_C(0xff00000000) && raypath_unit_model_rays(model, &inside, 1) == 1);
+  CHECK(inside.address == outputs.mem_req_addr);
+  /* A scene in memory has base 0. */
+  CHECK(raypath_unit_trace(unit, scene, sizeof scene, &inputs.ray, 1, &hit) == RAYPATH_OK);
+  CHECK(hit.status == RAYPATH_UNIT_MEMORY);
+  inputs.ray.base = 0;
+  CHECK(raypath_unit_trace(unit, scene, sizeof scene, &inputs.ray, 1, &hit) == RAYPATH_OK);
+  CHECK(hit.status == hits[0].status && hit.t == hits[0].t);
+  raypath_unit_model_free(model);
+  raypath_unit_close(unit);
 }
 
 static void wrong_inputs(const raypath_unit *unit) {
@@ -364,7 +405,7 @@ static void opening(const raypath_unit *unit, const char *folder) {
   CHECK_FAILS(raypath_unit_parameters(unit, NULL), RAYPATH_ERROR_NULL, "values is NULL");
   CHECK(raypath_unit_parameters(unit, &values) == RAYPATH_OK && values.contexts == 8 && values.stack == 2);
   CHECK(values.memory_width == 256 && values.id_width == 10 && values.divider_latency == 11);
-  CHECK(values.block_bytes == BLOCK && values.instances == 0);
+  CHECK(values.block_bytes == BLOCK && values.instances == 0 && values.address_width == 32);
   CHECK(strstr(raypath_unit_description(unit), "8 contexts") != NULL && raypath_unit_description(NULL) == NULL);
 
   char path[4096];
@@ -516,6 +557,7 @@ int main(int count, char **arguments) {
   opening(unit, arguments[1]);
   functional_model(unit);
   wrong_rays(unit);
+  bases();
   wrong_inputs(unit);
   cycle_exact_model(unit);
   raypath_unit_close(unit);

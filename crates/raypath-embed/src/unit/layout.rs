@@ -2,9 +2,9 @@
 //! `raypath_unit_…` of the same name.
 
 use raypath_traversal::state::NO_INSTANCE;
-use raypath_traversal::{HitInstance, RayRequest, Reply, ray_flags};
+use raypath_traversal::{HitInstance, RayRequest, Reply, UnitParameters, ray_flags};
 
-/// A ray as the traversal unit takes it, 44 bytes. The members are the ports of the ray's channel.
+/// A ray as the traversal unit takes it, 48 bytes. The members are the ports of the ray's channel.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UnitRay {
@@ -23,6 +23,9 @@ pub struct UnitRay {
     pub cull_mask: u32,
     /// The child word of the scene's root.
     pub root: u32,
+    /// With `address-width` above 32: the bits of every address above its lower 32. A scene lies within the 4 GiB that
+    /// it selects. 0 in other units.
+    pub base: u32,
 }
 
 /// What the traversal unit returns for a ray, 56 bytes. The members are the ports of the hit's channel: without a hit,
@@ -64,13 +67,17 @@ pub struct UnitHit {
 }
 
 impl UnitRay {
-    /// An error if a member has a value that its port does not have.
-    pub(super) fn check(&self) -> Result<(), String> {
-        let Self { flags, cull_mask, .. } = *self;
+    /// An error if a member has a value that its port in this unit does not have.
+    pub(super) fn check(&self, unit: UnitParameters) -> Result<(), String> {
+        let Self { flags, cull_mask, base, .. } = *self;
         for (name, value, most) in [("flags", flags, ray_flags::ALL), ("cull_mask", cull_mask, u8::MAX.into())] {
             if value > most {
                 return Err(format!("{name} is {value}, expected 0 to {most}"));
             }
+        }
+        let (most, bits) = (unit.greatest_base(), unit.address_width);
+        if base > most {
+            return Err(format!("base is {base}, expected 0 to {most} with addresses of {bits} bits"));
         }
         Ok(())
     }
@@ -78,8 +85,8 @@ impl UnitRay {
 
 impl From<&UnitRay> for RayRequest {
     fn from(ray: &UnitRay) -> Self {
-        let &UnitRay { origin, direction, t_min, t_max, flags, cull_mask, root } = ray;
-        Self { origin, direction, t_min, t_max, flags, cull_mask: cull_mask as u8, root }
+        let &UnitRay { origin, direction, t_min, t_max, flags, cull_mask, root, base } = ray;
+        Self { origin, direction, t_min, t_max, flags, cull_mask: cull_mask as u8, root, base }
     }
 }
 

@@ -231,7 +231,7 @@ impl UnitModel {
         if id > u64::MAX >> (64 - bits) {
             return Err(Error::Argument(format!("a ray with the id {id}, expected at most {bits} bits")));
         }
-        ray.check().map_err(Error::Argument)
+        ray.check(self.parameters).map_err(Error::Argument)
     }
 
     fn check_response(&self, response: &Response<'_>) -> Result<(), Error> {

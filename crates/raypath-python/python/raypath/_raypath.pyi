@@ -84,6 +84,7 @@ class _UnitParameters(TypedDict):
     stack: int
     memory_width: int
     id_width: int
+    address_width: int
     divider_latency: int
     node: Literal["wide4", "quantised"]
     instances: bool
@@ -720,6 +721,7 @@ class UnitScene:
         t_max: float = ...,
         flags: int = 0,
         cull_mask: int = 255,
+        base: int = 0,
     ) -> _Rays:
         """Rays as the unit takes them, for this scene.
 
@@ -734,11 +736,13 @@ class UnitScene:
             t_max: hits count below this distance; infinity reaches everything.
             flags: ``raypath.RayFlags``.
             cull_mask: 8 bits; with ``instances`` and ``queries``, instances count whose mask has one of them.
+            base: with ``address_width`` above 32, the bits of every address above its lower 32. The memory of
+                ``trace`` has the addresses of base 0.
 
         Returns:
             A structured array of shape (n,) with the fields of the C structure ``raypath_unit_ray``: ``origin``,
-            ``direction``, ``t_min``, ``t_max``, ``flags``, ``cull_mask`` and ``root``. A field can be changed for each
-            ray.
+            ``direction``, ``t_min``, ``t_max``, ``flags``, ``cull_mask``, ``root`` and ``base``. A field can be changed
+            for each ray.
 
         Raises:
             ValueError: another type or shape."""
@@ -823,7 +827,8 @@ class Unit:
         preset: the name of a configuration of the datapath, as for ``Datapath``. Distance operations are left out.
         config: in place of a preset, the path of a TOML file, or its text, which contains "=".
         flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
-            ``node``, ``memory_width``, ``id_width``, ``divider_latency``, ``front``, and those of the datapath.
+            ``node``, ``memory_width``, ``id_width``, ``address_width``, ``divider_latency``, ``front``, and those of the
+            datapath.
             ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
             masks and flags of instances; ``queries="full"`` for candidates and procedural boxes, too.
 
@@ -848,6 +853,7 @@ class Unit:
         stack: Literal[2, 4, 8, 16, 32] = ...,
         memory_width: Literal[128, 256, 512, 1024] = ...,
         id_width: int = ...,
+        address_width: int = ...,
         divider_latency: int = ...,
         node: Literal["wide4", "quantised"] = ...,
         instances: bool = ...,
@@ -919,7 +925,7 @@ class Unit:
             bits of the hardware, for any memory and any number of contexts. All cores work on them.
 
         Raises:
-            ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
+            ValueError: another type or shape; a ray with ``flags``, a ``cull_mask`` or a ``base`` out of range.
             KeyboardInterrupt: after Ctrl-C.
 
         Warns:
@@ -936,7 +942,7 @@ class Unit:
             A ``raypath.Query``: iterate over it for candidates, and then take its ``hits``.
 
         Raises:
-            ValueError: another type or shape; a ray with ``flags`` or a ``cull_mask`` out of range.
+            ValueError: another type or shape; a ray with ``flags``, a ``cull_mask`` or a ``base`` out of range.
 
         Warns:
             UserWarning: a ray begins beyond the ``reach`` of the scene."""

@@ -89,6 +89,11 @@ impl<M: Memory + ?Sized> Contexts for AheadContexts<'_, M> {
     }
 
     #[inline]
+    fn address(&self, context: u8) -> u64 {
+        self.walks[usize::from(context)].1.address(self.asked(context))
+    }
+
+    #[inline]
     fn failed(&self, context: u8) -> bool {
         self.failed[usize::from(context)]
     }

@@ -23,6 +23,8 @@ pub trait Contexts {
     fn step(&mut self, context: u8, steps: bool) -> Asked;
     /// What a ray asked for in its last step.
     fn asked(&self, context: u8) -> Asked;
+    /// The address of the block that a ray asked for last.
+    fn address(&self, context: u8) -> u64;
     /// Whether the memory reported an error for the block that arrived last.
     fn failed(&self, context: u8) -> bool;
     /// The number of a ray that has ended, and its reply.
@@ -120,9 +122,10 @@ impl State for PortContexts {
 impl Contexts for PortContexts {
     fn enter(&mut self, context: u8, id: u64, ray: &RayRequest) {
         let context = &mut self.contexts[usize::from(context)];
-        // As wide as the port.
+        // As wide as the ports.
         context.id = id & u64::MAX >> (64 - self.parameters.id_width);
-        context.walk.begin(&self.answers, self.parameters.step, ray);
+        let ray = RayRequest { base: ray.base & self.parameters.greatest_base(), ..*ray };
+        context.walk.begin(&self.answers, self.parameters.step, &ray);
     }
 
     fn step(&mut self, context: u8, steps: bool) -> Asked {
@@ -139,6 +142,12 @@ impl Contexts for PortContexts {
     }
 
     #[inline]
+    fn address(&self, context: u8) -> u64 {
+        let walk = &self.contexts[usize::from(context)].walk;
+        walk.address(walk.asked())
+    }
+
+    #[inline]
     fn failed(&self, context: u8) -> bool {
         self.contexts[usize::from(context)].failed
     }
@@ -151,7 +160,7 @@ impl Contexts for PortContexts {
 
 impl Memory for Arrived<'_> {
     #[inline]
-    fn block(&self, address: u32, bytes: u32) -> Result<&[u8], MemoryError> {
+    fn block(&self, address: u64, bytes: u32) -> Result<&[u8], MemoryError> {
         self.block.get(..bytes as usize).filter(|_| !self.failed).ok_or(MemoryError(address))
     }
 }

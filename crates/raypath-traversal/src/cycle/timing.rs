@@ -202,7 +202,7 @@ impl Timing {
     #[inline]
     pub fn request(&self, contexts: &impl Contexts) -> Option<BlockRequest> {
         let context = self.queues.front(REQUESTS)?;
-        Some(BlockRequest { address: contexts.asked(context).address, tag: context.into() })
+        Some(BlockRequest { address: contexts.address(context), tag: context.into() })
     }
 
     /// Advances up to `limit` cycles in which no ray is offered, no response arrives, and nothing is taken, if that

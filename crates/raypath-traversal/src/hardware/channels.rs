@@ -31,9 +31,10 @@ pub struct Ports<'m> {
 impl<'m> Ports<'m> {
     pub fn new(m: &'m Builder, parameters: UnitParameters) -> Self {
         let UnitParameters { contexts, memory_width, id_width, step, .. } = parameters;
+        let base = parameters.base_bits();
         let ray_valid = m.input("ray_valid_i", 1);
         let ray = [("id", id_width), ("flags", 10), ("cull_mask", 8), ("root", 32)].into_iter();
-        let ray = ray.filter(|(name, _)| step.features.has(name));
+        let ray = ray.filter(|(name, _)| step.features.has(name)).chain((base > 0).then_some(("base", base)));
         let ray = ray.map(|(name, width)| named(name, m.input(&format!("ray_{name}_i"), width))).collect();
         let port = |field: &str, width| m.input(&format!("{}_i", field.replace("ray_t_m", "ray_tm")), width);
         Self {

@@ -42,6 +42,7 @@ declare! {
         "Nodes of the scene: four boxes in binary32, four of 8 bits a bound, or eight of them";
     "memory-width": memory_width, "128|256|512|1024", "Bits of a beat of the memory; 1024 not with quantised";
     "id-width": id_width, "1..64", "Bits of the number that a ray brings and its hit returns";
+    "address-width": address_width, "32..64", "Bits of an address; those above 32 are a base that each ray brings";
     "divider-latency": divider_latency, "1..27", "Cycles of a division, one of which begins in each cycle";
     "instances": step.features.instances, "true|false", "Scenes have instances";
     "nested-instances": step.features.nested, "true|false", "Objects of instances have instances; with instances only";

@@ -17,25 +17,37 @@ pub struct UnitParameters {
     pub memory_width: u32,
     /// Bits of the number that comes out with a ray's hit: 1 to 64.
     pub id_width: u32,
+    /// Bits of an address: 32 to 64. A ray brings those above 32 ([`RayRequest::base`](crate::RayRequest::base)).
+    pub address_width: u32,
     /// Cycles of a division: 1 to 27.
     pub divider_latency: u32,
 }
 
 impl Default for UnitParameters {
     fn default() -> Self {
-        Self { contexts: 64, step: StepParameters::default(), memory_width: 512, id_width: 16, divider_latency: 11 }
+        Self {
+            contexts: 64,
+            step: StepParameters::default(),
+            memory_width: 512,
+            id_width: 16,
+            address_width: 32,
+            divider_latency: 11,
+        }
     }
 }
 
 impl fmt::Display for UnitParameters {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { contexts, step, memory_width, id_width, divider_latency } = self;
+        let Self { contexts, step, memory_width, id_width, address_width, divider_latency } = self;
         write!(
             f,
             "{contexts} contexts, stacks of {}, memory of {memory_width} bits, ids of {id_width} bits, division in \
              {divider_latency} cycles",
             step.stack
         )?;
+        if *address_width > CHILD_ADDRESS_BITS {
+            write!(f, ", addresses of {address_width} bits")?;
+        }
         match step.node {
             NodeKind::Wide4 => {}
             NodeKind::Quantised => f.write_str(", quantised nodes")?,
@@ -53,6 +65,9 @@ impl fmt::Display for UnitParameters {
     }
 }
 
+/// Bits of the addresses that child words have.
+const CHILD_ADDRESS_BITS: u32 = 32;
+
 /// The error of a parameter out of its range.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{} is {value}, expected {expected}", name.replace('-', " "))]
@@ -66,6 +81,16 @@ pub struct UnitParametersError {
 }
 
 impl UnitParameters {
+    /// The bits of the base that each ray brings: 0 with addresses of 32 bits, which have none.
+    pub fn base_bits(self) -> u32 {
+        self.address_width.saturating_sub(CHILD_ADDRESS_BITS)
+    }
+
+    /// The greatest base that a ray may bring.
+    pub fn greatest_base(self) -> u32 {
+        u32::MAX.checked_shr(CHILD_ADDRESS_BITS - self.base_bits()).unwrap_or(0)
+    }
+
     /// Checks the range of each parameter, and what `quantised` nodes cannot be combined with.
     ///
     /// # Errors

@@ -17,9 +17,9 @@ use std::sync::Arc;
 
 /// The module `raypath_unit_rays`.
 ///
-/// A ray enters where `valid_i` and `ready_o` are 1: `entry_…_i`, `id_i`, `flags_i`, `cull_mask_i`, `root_i`. When its
-/// constants are known, `start_valid_o` is 1 with `start_context_o` and `start_is_refused_o`, until `start_taken_i` is
-/// 1. `release_i` frees the context `hit_context_i`, whose `id_o` is read at the same time.
+/// A ray enters where `valid_i` and `ready_o` are 1: `entry_…_i`, `id_i`, `flags_i`, `cull_mask_i`, `root_i` and, with
+/// addresses of more than 32 bits, `base_i`. When its constants are known, `start_valid_o` is 1 with `start_context_o`
+/// and `start_is_refused_o`, until `start_taken_i` is 1. `release_i` frees the context `hit_context_i`, whose `id_o` is read at the same time.
 ///
 /// Readers give an enable and a context, and have their words in the next cycle: `job_read_i` for `job_…_o`,
 /// `limits_read_i` for `limits_…_o`, `step_read_i` for `begin_…_o`.
@@ -41,6 +41,8 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let has_mask = features.has("cull_mask");
     let cull_mask = if has_mask { m.input("cull_mask_i", 8) } else { m.constant(8, 0) };
     let root = m.input("root_i", 32);
+    let base_bits = parameters.base_bits();
+    let base = (base_bits > 0).then(|| named("base", m.input("base_i", base_bits)));
     let start_taken = m.input("start_taken_i", 1);
     let reader = |name: &str| {
         let [enable, context] =
@@ -91,7 +93,8 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         flags,
         cull_mask: Word::new(c, Value(cull_mask)),
     };
-    let begin: Named<'_> = wires_with("", &words, parameters.step).collect();
+    // A step asks for an address, of which the base is a part.
+    let begin: Named<'_> = wires_with("", &words, parameters.step).chain(base).collect();
     let mut limits = vec![named("limits_t_min", entry.t_min.value.0)];
     if !features.has_flags() {
         // With flags, it depends on the instance and the leaf which faces are not hit.

@@ -480,8 +480,8 @@ impl<'m> Top<'m> {
     }
 
     fn requests(&self, ports: &Ports<'m>, walk: &Outputs<'m>) -> Result<Outputs<'m>, UnitError> {
-        let UnitParameters { contexts, step, .. } = self.parameters;
-        let columns = [("context", self.width), ("block", 32 - step.node.offset_bits())];
+        let UnitParameters { contexts, address_width, step, .. } = self.parameters;
+        let columns = [("context", self.width), ("block", address_width - step.node.offset_bits())];
         let inputs = Inputs::default()
             .port("push", walk.port("fetches"))
             .port("context", walk.port("context"))

@@ -31,7 +31,7 @@ use std::sync::Arc;
 /// address without its offset, `count_o` and, with instances, `is_instance_o` and `is_inside_o`. At the end:
 /// `status_o` and what a hit shows of the state, `next_…_o`.
 pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts: count, step, .. } = parameters;
+    let (UnitParameters { contexts: count, step, .. }, base_bits) = (parameters, parameters.base_bits());
     let builder = Builder::new("raypath_unit_walk");
     let m = &builder;
     m.doc("The steps of rays: one in each cycle, in three stages.");
@@ -53,6 +53,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let closest = inputs(&closest);
     let children = inputs(&[("child_0", 32), ("child_1", 32), ("child_2", 32), ("child_3", 32)]);
     let begin: RayWords<Netlist<'_>> = inputs_with(m, "begin", step);
+    let base = (base_bits > 0).then(|| m.input("begin_base_i", base_bits));
     let verdict = step.features.has_candidates().then(|| {
         let (valid, context) = given("verdict");
         (valid, context, inputs(&[("verdict_accepts", 1), ("verdict_ends", 1), ("verdict_t", 32)]))
@@ -125,6 +126,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     finishes.next(prepares.wire());
     let finished_context = delay("finished_context_q", prepared_context);
     context.drive(finished_context);
+    let base = base.map(|base| delay("base_q", base));
     let fields = ports_of::<RayState<Binary32>>();
     let fields = fields.iter().filter(|port| step.has(&port.name) && !is_of_ray(&port.name));
     let columns: Vec<(&str, u32)> = fields.map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
@@ -220,7 +222,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let (address, level) = (done.port("request_address"), done.port("request_level"));
     m.unused("unused_offset", &[address.lower(step.node.offset_bits())]);
     m.unused("unused_level", &[level.upper(level.width() - slot_bits)]);
-    m.output("block_o", address.upper(address.width() - step.node.offset_bits()));
+    let block = address.upper(address.width() - step.node.offset_bits());
+    m.output("block_o", base.map_or(block, |base| m.concat(&[base, block])));
     for name in ["count", "window", "status", "is_instance", "culls_clockwise", "culls_counter_clockwise"]
         .into_iter()
         .filter(|name| step.has(name))

@@ -61,7 +61,7 @@ impl CacheParameters {
 pub(super) struct Cache {
     parameters: CacheParameters,
     /// For each set, the numbers of its lines, the one that was used last first.
-    sets: Vec<Vec<u32>>,
+    sets: Vec<Vec<u64>>,
     hits: u64,
     misses: u64,
 }
@@ -83,9 +83,10 @@ impl Cache {
     }
 
     /// Reads the block of so many bytes at an address. Returns the number of lines that must be fetched.
-    pub fn misses(&mut self, address: u32, bytes: u32) -> u32 {
+    pub fn misses(&mut self, address: u64, bytes: u32) -> u32 {
         let CacheParameters { ways, line, .. } = self.parameters;
-        let last = address.saturating_add(bytes - 1) / line;
+        let line = u64::from(line);
+        let last = address.saturating_add(u64::from(bytes) - 1) / line;
         let mut missing = 0;
         for number in address / line..=last {
             let place = number as usize % self.sets.len();

@@ -223,6 +223,7 @@ pub fn random_ray(root: u32, random: &mut ChaCha8Rng) -> RayRequest {
         flags: random_flags(random),
         cull_mask: if random.random() { u8::MAX } else { random.random() },
         root,
+        base: 0,
     }
 }
 

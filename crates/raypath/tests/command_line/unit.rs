@@ -69,7 +69,7 @@ fn the_unit_is_written_listed_and_checked() {
 
 #[test]
 fn wrong_parameters_of_the_unit_are_named() {
-    let wrong: [(&str, &[&str]); 19] = [
+    let wrong: [(&str, &[&str]); 20] = [
         ("--unit --node wide", &["'wide'", "--node", "expected wide4 or quantised"]),
         ("--unit --node quantised --memory-width 1024", &["memory width is 1024", "expected 128, 256 or 512 with"]),
         ("--node quantised", &["--node quantised", "expected --unit"]),
@@ -78,6 +78,7 @@ fn wrong_parameters_of_the_unit_are_named() {
         ("--unit --stack 3", &["'3'", "--stack", "expected 2, 4, 8, 16 or 32"]),
         ("--unit --memory-width 64", &["'64'", "--memory-width", "expected 128, 256, 512 or 1024"]),
         ("--unit --id-width 65", &["'65'", "--id-width", "expected 1 to 64"]),
+        ("--unit --address-width 31", &["'31'", "--address-width", "expected 32 to 64"]),
         ("--unit --divider-latency 0", &["'0'", "--divider-latency", "expected 1 to 27"]),
         ("--unit --rays 0", &["'0'", "--rays", "expected a whole number from 1"]),
         ("--contexts 8", &["--unit"]),
