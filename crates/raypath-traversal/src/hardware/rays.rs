@@ -19,7 +19,8 @@ use std::sync::Arc;
 ///
 /// A ray enters where `valid_i` and `ready_o` are 1: `entry_…_i`, `id_i`, `flags_i`, `cull_mask_i`, `root_i` and, with
 /// addresses of more than 32 bits, `base_i`. When its constants are known, `start_valid_o` is 1 with `start_context_o`
-/// and `start_is_refused_o`, until `start_taken_i` is 1. `release_i` frees the context `hit_context_i`, whose `id_o` is read at the same time.
+/// and `start_is_refused_o`, until `start_taken_i` is 1. `release_i` frees the context `hit_context_i`, whose `id_o` is
+/// read at the same time.
 ///
 /// Readers give an enable and a context, and have their words in the next cycle: `job_read_i` for `job_…_o`,
 /// `limits_read_i` for `limits_…_o`, `step_read_i` for `begin_…_o`.
