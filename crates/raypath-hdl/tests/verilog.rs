@@ -1,5 +1,6 @@
 //! The printed text.
 
+use raypath_hdl::text::PortGroup;
 use raypath_hdl::{Builder, Label, Module, verilog};
 use std::sync::Arc;
 
@@ -197,6 +198,18 @@ fn expressions_stay_short_and_mean_the_same() {
         "= (((product & overflows_q) + (product | overflows_q)) - {16{held_q[7]}}) ^\n      (product << opcode_i);\n",
     );
     assert_prints(&unit(), "= 32'h3f80_0000;\n");
+}
+
+/// `data_i[15:8][3:2]` is no SystemVerilog, and Yosys and Verilator read different bits of it.
+#[test]
+fn a_range_of_a_part_of_a_port_is_one_range() {
+    let m = Builder::new("parts");
+    let (high, low) = (m.input("data_1_i", 8), m.input("data_0_i", 8));
+    let members = [("data_1_i", "[15:8]"), ("data_0_i", "[7:0]")].map(|(port, part)| (port.into(), part.into()));
+    let structure = "logic [15:0]".to_string();
+    m.group_inputs(PortGroup { name: "data_i".to_string(), structure, members: members.into() });
+    m.output("parts_o", m.concat(&[high.bits(3, 2), low.bit(5), high]));
+    assert_prints(&m.finish().unwrap(), "assign parts_o = {data_i[11:10], data_i[5:5], data_i[15:8]};");
 }
 
 #[test]

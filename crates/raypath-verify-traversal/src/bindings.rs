@@ -70,7 +70,8 @@ pub fn contexts(_: &Setting, _: &Module) -> String {
 }
 
 /// The words of a block: the memory and the reader that have them, the stem of its ports, the first word for a kind of
-/// nodes, and the bits of a word that are followed. A port for whether a child exists is 0 for kind 0.
+/// nodes, and the bits of a word that are followed. A port for whether a child exists is 0 for kind 0, or, of eight, for
+/// a byte of 0.
 type BlockWords = (&'static str, &'static str, &'static str, fn(NodeKind) -> usize, u32);
 
 const WORDS: [BlockWords; 4] = [
@@ -91,12 +92,15 @@ pub fn blocks(setting: &Setting, module: &Module) -> String {
     let mut right = Vec::new();
     for (place, beat) in (0..WORDS.len()).flat_map(|place| (0..beats as usize).map(move |beat| (place, beat))) {
         let (memory, reader, stem, first, bits_of_word) = WORDS[place];
-        let words = (0..).map(|k| (format!("{stem}_{k}_o"), first(node) + k));
-        let words = words.take_while(|(port, _)| module.port_width(port).is_some());
+        let words = (0..).map(|k| match stem {
+            "exists" if node == NodeKind::Wide8 => (format!("{stem}_{k}_o"), first(node) + 2 + k / 4, 8 * (k % 4), 8),
+            _ => (format!("{stem}_{k}_o"), first(node) + k, 0, bits_of_word),
+        });
+        let words = words.take_while(|(port, ..)| module.port_width(port).is_some());
         let (shown, given): (Vec<String>, Vec<String>) = words
-            .filter(|(_, word)| word / per_beat == beat)
-            .map(|(port, word)| {
-                let data = format!("data_i[{} +: {bits_of_word}]", 32 * (word % per_beat));
+            .filter(|(_, word, ..)| word / per_beat == beat)
+            .map(|(port, word, low, bits_of_word)| {
+                let data = format!("data_i[{} +: {bits_of_word}]", 32 * (word % per_beat) + low);
                 (format!("{port}[0]"), if bits_of_word == 1 { data } else { format!("{data} != 0") })
             })
             .unzip();
@@ -126,17 +130,18 @@ pub fn blocks(setting: &Setting, module: &Module) -> String {
 
 /// Whether the words of the triangle are those of its place in the block. A block of quantised nodes has one job.
 pub fn issue(setting: &Setting, _: &Module) -> String {
-    if setting.unit.parameters.step.node == NodeKind::Quantised {
-        let one_job =
-            "  wire [1:0] count_i = 0, place_o = 0;\n  wire is_last_o = 1, is_node_o = 1, p_same_words = 1;\n";
-        return one_job.to_string();
+    let nodes = setting.unit.parameters.step.node;
+    let jobs = format!("  localparam logic [1:0] NODE_JOBS = {};\n", nodes.children() / 4);
+    if nodes == NodeKind::Quantised {
+        return jobs
+            + "  wire [1:0] count_i = 0, place_o = 0;\n  wire is_last_o = 1, is_node_o = 1, p_same_words = 1;\n";
     }
     let word = |k: usize| {
         let (second, third) = (k + 9, k + 18);
         format!("triangle_{k}_o == (place_o == 0 ? word_{k}_i : place_o == 1 ? word_{second}_i : word_{third}_i)")
     };
     let words: Vec<String> = (0..9).map(word).collect();
-    format!("  wire p_same_words = is_node_o\n    || ({});\n", words.join("\n      && "))
+    jobs + &format!("  wire p_same_words = is_node_o\n    || ({});\n", words.join("\n      && "))
 }
 
 /// The word at one address of a memory: `<name>_stored` at `<name>_slot`.
@@ -230,12 +235,24 @@ pub fn set_up(setting: &Setting, module: &Module) -> String {
     context_width(module) + &format!("  localparam int LATENCY = {latency};\n")
 }
 
-/// The lowest bits of the words that pass, at the inputs and at the outputs.
-pub fn decoder(_: &Setting, module: &Module) -> String {
+/// The lowest bits of the words that pass, at the inputs and at the outputs, and the place of the job.
+pub fn decoder(setting: &Setting, module: &Module) -> String {
+    let nodes = setting.unit.parameters.step.node;
     let words = |name: &dyn Fn(u32) -> String| (0..9).map(name).collect::<Vec<String>>().join(", ");
-    let (given, shown) = (words(&|k| format!("word_{k}_i[0]")), words(&|k| format!("word_{k}_o[0]")));
+    let given = words(&|k| match nodes {
+        NodeKind::Wide8 => format!("(is_instance_i ? word_{}_i[0] : triangle_{k}_i[0])", nodes.matrix_word(k as usize)),
+        _ => format!("word_{k}_i[0]"),
+    });
+    let shown = words(&|k| format!("word_{k}_o[0]"));
+    let (place, shown_place, width) = match nodes {
+        NodeKind::Wide8 => (", is_node_i ? window_i : place_i, is_last_i", ", place_o, is_last_o", 12),
+        _ => ("", "", 9),
+    };
     context_width(module)
-        + &format!("  localparam int D = 9;\n  wire [D-1:0] p_words_in = {{{given}}}, p_words_out = {{{shown}}};\n")
+        + &format!(
+            "  localparam int D = {width};\n  wire [D-1:0] p_words_in = {{{given}{place}}};\n  \
+             wire [D-1:0] p_words_out = {{{shown}{shown_place}}};\n"
+        )
 }
 
 /// What the part that derives constants returns: `p_known` with its context, whether it is for an instance, and the

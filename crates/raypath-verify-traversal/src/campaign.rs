@@ -74,7 +74,7 @@ const UNITS: [Setting; 8] = [
     with(unit(Control::Credit, [11, 8, 128, 4, 1]), NodeKind::Wide4, WEIGHTS),
     unit(Control::Skid, [64, 16, 1024, 7, 5]),
     with(unit(Control::Skid, [32, 32, 512, 16, 27]), NodeKind::Wide4, WEIGHTS),
-    unit(Control::Credit, [9, 2, 128, 4, 9]),
+    with(unit(Control::Credit, [9, 2, 128, 4, 9]), NodeKind::Wide8, UnitFeatures { instances: true, ..WEIGHTS }),
     with(unit(Control::Skid, [40, 2, 512, 16, 2]), NodeKind::Quantised, UnitFeatures { instances: true, ..WEIGHTS }),
     with(
         unit(Control::Skid, [12, 2, 512, 5, 3]),

@@ -185,10 +185,10 @@ claims! {
     }
     "raypath_unit_decoder" in Quantised: include_str!("properties/decoder.sv"),
         None, decoder; "p_follows_q && p_ahead_q == 1"; {
-        order: "advances = ~has_sums_q | ready_i" => "advances = 1'b1";
-        shows: "read = advances & has_operands_q" => "read = has_operands_q";
+        order: "advance = ~has_sums_q | ready_i" => "advance = 1'b1";
+        shows: "read = advance & has_operands_q" => "read = has_operands_q";
         shows: "has_sums_q <= has_operands_q" => "has_sums_q <= has_operands_q | has_sums_q";
-        order: "context_q    <= operands_context_q" => "context_q    <= context_i";
+        order: "context_q <= operands_context_q" => "context_q <= context_i";
     }
     "raypath_unit_weights" in Quantised: include_str!("properties/weights.sv"),
         None, weights; "p_follows_q && p_leaves && p_ahead_q == 2"; {
@@ -213,4 +213,20 @@ claims! {
         fault_only: "offer  = busy_q & ~failed_q" => "offer  = busy_q";
         fault_only: "(fault & fault_taken_i)" => "fault";
     }
+    "raypath_unit_issue" in Eight: include_str!("properties/issue.sv"),
+        Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && p_jobs_q == 1 && !p_failed"; {
+        each_job: "(is_node ? 2'd2 : count_i)" => "(is_node ? 2'd1 : count_i)";
+        each_job: "place_q <= take ? 2'd0 : place_q + 2'd1" => "place_q <= place_q + 2'd1";
+    }
+    "raypath_unit_decoder" in Eight: include_str!("properties/decoder.sv"),
+        None, decoder; "p_follows_q && p_ahead_q == 1"; {
+        order: "advance = ~has_sums_q | ready_i" => "advance = 1'b1";
+        order: "is_last_q <= operands_is_last_q" => "is_last_q <= is_last_i";
+    }
+    "raypath_unit_blocks" in Eight: include_str!("properties/blocks.sv"),
+        None, blocks; "p_beats_q == BEATS - 1 && valid_i"; {}
+    "raypath_unit_walk" in Eight: include_str!("properties/walk.sv"),
+        Some(("u_continues.", "raypath_unit_continues")), nothing; "p_continues && p_follows_q && p_ahead_q == 0"; {}
+    "raypath_unit_distance" in Eight: include_str!("properties/distance.sv"),
+        None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {}
 }

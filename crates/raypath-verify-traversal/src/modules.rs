@@ -39,7 +39,7 @@ fn check_of(module: &Module) -> Option<Check> {
         "raypath_unit_prepare" => |bench, unit| steps::prepare(bench, unit.step),
         "raypath_unit_finish" => |bench, unit| steps::finish(bench, unit.step),
         "raypath_unit_set_up" | "raypath_unit_entries" => |bench, unit| set_up::run(bench, unit.divider_latency),
-        "raypath_unit_decoder" => |bench, _| decoder::run(bench),
+        "raypath_unit_decoder" => |bench, unit| decoder::run(bench, unit.step.node),
         "raypath_unit_distance" => |bench, _| distance::run(bench),
         "raypath_unit_hits" => |bench, unit| hits::run(bench, unit),
         _ => return None,

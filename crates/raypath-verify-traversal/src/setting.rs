@@ -33,17 +33,23 @@ pub enum Variant {
     Instances,
     /// Quantised nodes and barycentric coordinates.
     Quantised,
+    /// Nodes with eight children, instances and barycentric coordinates.
+    Eight,
 }
 
 impl Variant {
     /// All variants. A module that several have comes first in the unit about which its claim is.
-    pub const ALL: [Self; 3] = [Self::Plain, Self::Quantised, Self::Instances];
+    pub const ALL: [Self; 4] = [Self::Plain, Self::Quantised, Self::Instances, Self::Eight];
 
     /// The parameters of a unit, with these parts.
     pub fn of(self, parameters: UnitParameters) -> UnitParameters {
-        let features =
-            UnitFeatures { barycentrics: self != Self::Plain, instances: self == Self::Instances, ..UnitFeatures::OFF };
-        let node = if self == Self::Quantised { NodeKind::Quantised } else { NodeKind::Wide4 };
+        let instances = matches!(self, Self::Instances | Self::Eight);
+        let features = UnitFeatures { barycentrics: self != Self::Plain, instances, ..UnitFeatures::OFF };
+        let node = match self {
+            Self::Plain | Self::Instances => NodeKind::Wide4,
+            Self::Quantised => NodeKind::Quantised,
+            Self::Eight => NodeKind::Wide8,
+        };
         UnitParameters { step: StepParameters { node, features, ..parameters.step }, ..parameters }
     }
 }

@@ -205,9 +205,19 @@ fn select(module: &Module, renderings: &[Rendering], root: SignalId, low: u32, w
         },
         _ => {
             let root = read(renderings, root).text;
+            // A range of a range is no SystemVerilog: the bits are those of the whole.
+            if let Some((whole, offset)) = range(&root) {
+                return Expression::primary(format!("{whole}[{}:{}]", offset + high, offset + low));
+            }
             // Yosys 0.23 crashes on one bit of an array's element in a structure, but not on a range of one bit.
             let is_bit = width == 1 && !root.ends_with(']');
             Expression::primary(if is_bit { format!("{root}[{low}]") } else { format!("{root}[{high}:{low}]") })
         }
     }
+}
+
+/// What a text with a range at its end is a range of, and its lowest bit.
+fn range(text: &str) -> Option<(&str, u32)> {
+    let (whole, range) = text.strip_suffix(']')?.rsplit_once('[')?;
+    Some((whole, range.split_once(':')?.1.parse().ok()?))
 }

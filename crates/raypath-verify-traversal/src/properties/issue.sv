@@ -1,4 +1,4 @@
-  // The jobs of each block leave exactly once and in order; blocks follow each other as they arrived. Environment: at
+  // The jobs of each block leave exactly once and in order, NODE_JOBS of a node; blocks follow each other as they arrived. Environment: at
   // most N blocks are inside; the number of triangles is that of the block that was taken, and stays.
   logic [8:0] p_inside_q, p_waiting_q;
   wire p_ends = (offer_o && ready_i && is_last_o) || (fault_valid_o && fault_taken_i);
@@ -25,7 +25,7 @@
   logic [1:0] p_jobs_q;
   wire p_starts = arrived_i && p_follow && p_tail == p_slot && !p_follows_q && !p_serves_q;
   wire p_turn = p_follows_q && p_ahead_q == 0 && take_o;
-  wire [1:0] p_jobs = count_i == 0 ? 2'd1 : count_i;
+  wire [1:0] p_jobs = count_i == 0 ? NODE_JOBS : count_i;
   wire p_failed = p_word_q[0];
   wire p_is_last = p_jobs_q + 2'd1 == p_jobs;
   wire p_served = p_serves_q && (p_failed ? fault_taken_i : ready_i && p_is_last);
