@@ -137,6 +137,13 @@ impl OneRay {
         self.test(rules, [[x0, x1], [y0, y1], [z0, z1]])
     }
 
+    /// Tests four boxes: along each axis their minima, then their maxima.
+    #[inline(always)]
+    pub fn slabs(&self, rules: Rules, slabs: [[[f32; 4]; 2]; 3]) -> FourBoxes {
+        let simd = self.lanes.simd();
+        self.test(rules, array_of!(axis => array_of!(side => f32x4::from_slice(simd, &slabs[axis][side]))))
+    }
+
     #[inline(always)]
     fn test(&self, rules: Rules, slabs: [[Number; 2]; 3]) -> FourBoxes {
         let slab = |axis: usize| Slab { min: self.num(slabs[axis][0]), max: self.num(slabs[axis][1]) };

@@ -146,8 +146,9 @@ impl Answers {
             },
             NodeKind::Wide8 => {
                 let Some(bytes) = block.first_chunk() else { return Self::failure() };
+                let boxes = Node8::of(bytes).boxes;
                 let half = |first: usize| {
-                    let outcome = test(array_of!(i => Node8::aabb(bytes, first + i)));
+                    let outcome = test(array_of!(i => boxes[first + i]));
                     Half { hit: outcome.is_intersect, tmin: outcome.tmin, box_index: outcome.box_index }
                 };
                 let window = Word::truncate(window.into());

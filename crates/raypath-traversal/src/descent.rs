@@ -4,10 +4,10 @@
 //! [`step`]: crate::step::step
 
 use crate::answers::{Answers, ReadyRay};
-use crate::blocks::wide8::{self, Node8};
 use crate::blocks::{
-    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, MAX_LEAF, NODE_KIND, Node, NodeKind, VERTEX_WORDS, child_words, geometry, word,
+    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, MAX_LEAF, NODE_KIND, NodeKind, VERTEX_WORDS, child_words, geometry, word,
 };
+use crate::blocks::{quantised, wide8};
 use crate::candidate::{Candidate, Verdict};
 use crate::instance::{INSTANCE_KIND, Instance};
 use crate::model::{Hit, HitInstance, Memory, RayRequest, Reply};
@@ -118,6 +118,10 @@ struct TestedNode {
 
 /// The kinds of child words that lead to a node with eight children once more.
 const CONTINUATIONS: [u32; 2] = [wide8::CONTINUATION, wide8::CONTINUATION + 1];
+
+/// The comparisons that sort each half of eight.
+const SORT_HALVES: [(usize, usize); 10] =
+    [(0, 1), (2, 3), (0, 2), (1, 3), (1, 2), (4, 5), (6, 7), (4, 6), (5, 7), (5, 6)];
 
 /// What a child word refers to.
 enum Target {
@@ -275,8 +279,8 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
                 (self.now.boxes_of_bytes(rules, array_of!(i => &boxes[i])), children)
             }
             NodeKind::Quantised => {
-                let Node { boxes, children } = Node::of_quantised(block.first_chunk().ok_or(status::MEMORY)?);
-                (self.now.boxes(rules, array_of!(i => &boxes[i])), children)
+                let slabs = quantised::slabs(block.first_chunk().ok_or(status::MEMORY)?);
+                (self.now.slabs(rules, slabs), child_words(block, NodeKind::Quantised))
             }
             NodeKind::Wide8 => return self.eight(rules, address, window, block),
         };
@@ -287,22 +291,25 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     #[inline(always)]
     fn eight(&self, rules: Rules, address: u32, window: u32, block: &[u8]) -> Result<TestedNode, u32> {
         let bytes = block.first_chunk().ok_or(status::MEMORY)?;
-        let boxes: [_; wide8::CHILDREN] = array_of!(i => Node8::aabb(bytes, i));
-        let halves = [0, 4].map(|first| self.now.boxes(rules, array_of!(i => &boxes[first + i])));
+        let slabs = wide8::slabs(bytes);
+        let half = |first: usize| array_of!(axis => array_of!(side => array_of!(i => slabs[axis][side][first + i])));
+        let halves = [self.now.slabs(rules, half(0)), self.now.slabs(rules, half(4))];
         // Distances are not negative, so they have the order of their bits.
         let mut keys: [u64; wide8::CHILDREN] = array_of!(i => {
             let (half, place) = (&halves[i / 4], i % 4);
             let key = u64::from(half.tmin[place].to_bits()) << 3 | i as u64;
             if half.hits >> place & 1 == 1 { key } else { u64::MAX }
         });
-        keys.sort_unstable();
+        for (a, b) in SORT_HALVES.into_iter().chain(wide8::MERGE) {
+            (keys[a], keys[b]) = (keys[a].min(keys[b]), keys[a].max(keys[b]));
+        }
         let first = (wide8::WINDOW * window) as usize;
         let count = keys.iter().skip(first).filter(|key| **key != u64::MAX).count().min(4) as u32;
         let key = |place: usize| keys.get(first + place).copied().unwrap_or(u64::MAX);
-        let words = child_words(block, NodeKind::Wide8).map(Word::truncate);
+        let word = wide8::children(bytes);
         let children = array_of!(place => match place {
             3 => address | (wide8::CONTINUATION + window),
-            _ => wide8::child(Binary32, words, Word::truncate((key(place) & 7) as u32)).value,
+            _ => word((key(place) & 7) as usize),
         });
         let tmin = array_of!(place => f32::from_bits((key(place) >> 3) as u32));
         Ok(TestedNode { found: NearestFirst { count, index: [0, 1, 2, 3], tmin }, children })

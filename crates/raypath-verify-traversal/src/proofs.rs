@@ -56,7 +56,9 @@ impl Setting {
     /// # Errors
     /// The module cannot be printed.
     pub fn faulty(&self, module: &Arc<Module>) -> Result<Option<[Obligation; 2]>, Error> {
-        let Some(claim) = self.claims().find(|claim| claim.module == module.name()) else { return Ok(None) };
+        // Queues have the same properties in every unit.
+        let mut claims = self.claims().chain(queues());
+        let Some(claim) = claims.find(|claim| claim.module == module.name()) else { return Ok(None) };
         let problem = |name: &str, properties, method, expected| {
             let text = self.text(&claim, module, None, properties)?;
             Ok::<_, Error>(obligation(&claim, name, text, method, expected))

@@ -4,13 +4,9 @@
 //! the biased exponent E of its axis, is the positive number with these fields in binary32: exponent E and fraction
 //! q · 2¹⁵, that is 2^(E - 127) · (1 + q / 256). With E = 0 it is 0, and with E = 255 it is infinity. A child word of
 //! kind 0 has the addends +∞ for its minima and -∞ for its maxima, so that no ray hits its box.
-//!
-//! [`operands`] takes a node apart, as a function over an abstract circuit: the models add the operands by the
-//! machine's binary32, the hardware by its adders. Decoding takes no other arithmetic.
 
 use super::{BOX_WORDS, NODE_KIND, Node, NodeKind, bounds, word};
-use crate::words::{WordCircuit, WordMethods};
-use raypath_ops::{Aabb, Binary32, Bit, Flags, Num, Word};
+use raypath_ops::{Aabb, Binary32, array_of};
 use thiserror::Error;
 
 /// The bytes of a block.
@@ -20,53 +16,11 @@ pub const WORDS: usize = 10;
 /// The bounds of four boxes.
 pub const BOUNDS: usize = 4 * BOX_WORDS;
 /// The byte with the first bound.
-const FIRST_BOUND: usize = 16;
-
-/// The operands of the additions that decode a node. The bounds are in the order of memory: for each child the minima,
-/// then the maxima.
-pub struct Operands<C: WordCircuit> {
-    /// The base of each axis.
-    pub base: [Num<C>; 3],
-    /// The addend of each axis for a bound of 0.
-    pub power: [Num<C>; 3],
-    /// The leading bits of the fraction of each addend.
-    pub fraction: [Word<C, 8>; BOUNDS],
-    /// Whether each child exists.
-    pub exists: Flags<C, 4>,
-}
-
-/// The operands in the first words of a node's block, of which `exists` children exist.
-#[inline]
-pub fn operands<C: WordCircuit>(c: C, words: [Word<C, 32>; WORDS], exists: Flags<C, 4>) -> Operands<C> {
-    let number = |word: Word<C, 32>| Num::new(c, c.number_of_bits(word.value));
-    let exponents = [words[3].part::<0, 8>(), words[3].part::<8, 8>(), words[3].part::<16, 8>()];
-    let power = |exponent: Word<C, 8>| {
-        let low = (23, c.constant_word(23, 0));
-        let high = (9, c.word_join((1, c.constant_word(1, 0)), (8, exponent.value)));
-        number(Word::new(c, c.word_join(high, low)))
-    };
-    let byte = |place: usize| {
-        let word = words[place / 4];
-        match place % 4 {
-            0 => word.part::<0, 8>(),
-            1 => word.part::<8, 8>(),
-            2 => word.part::<16, 8>(),
-            _ => word.part::<24, 8>(),
-        }
-    };
-    Operands {
-        base: [number(words[0]), number(words[1]), number(words[2])],
-        power: exponents.map(power),
-        fraction: std::array::from_fn(|bound| byte(FIRST_BOUND + bound)),
-        exists,
-    }
-}
+pub(crate) const FIRST_BOUND: usize = 16;
 
 /// Whether a child word is not of kind 0.
-#[inline]
-pub fn exists<C: WordCircuit>(child: Word<C, 32>) -> Bit<C> {
-    let (c, kind) = (child.circuit, NodeKind::Quantised.block_bytes() - 1);
-    !Word::<C, 32>::new(c, c.word_and(32, child.value, c.constant_word(32, kind))).is(0)
+fn exists(child: u32) -> bool {
+    !child.is_multiple_of(NodeKind::Quantised.block_bytes())
 }
 
 /// The axis of a bound, and whether it is a maximum.
@@ -78,19 +32,8 @@ impl Node {
     /// The quantised node in a block.
     #[inline]
     pub fn of_quantised(block: &[u8; BYTES]) -> Self {
-        let children = std::array::from_fn(|child| word(block, NodeKind::Quantised.child_word() + child));
-        let exist = Flags(children.map(|child| exists(Word::<Binary32, 32>::truncate(child))));
-        let words = std::array::from_fn(|index| Word::truncate(word(block, index)));
-        let Operands { base, power, fraction, exists: Flags(exists) } = operands(Binary32, words, exist);
-        let bound = |number: usize| {
-            let (axis, is_max) = place(number);
-            let infinite = if is_max { f32::NEG_INFINITY } else { f32::INFINITY };
-            let exists = bool::from(exists[number / BOX_WORDS]);
-            f32::from(base[axis]) + if exists { addend(power[axis].into(), fraction[number].value) } else { infinite }
-        };
-        let corner = |first: usize| std::array::from_fn(|axis| bound(first + axis));
-        let boxes = std::array::from_fn(|child| Aabb::new(corner(BOX_WORDS * child), corner(BOX_WORDS * child + 3)));
-        Self { boxes, children }
+        let children = array_of!(child => word(block, NodeKind::Quantised.child_word() + child));
+        Self { boxes: boxes_of(slabs(block)), children }
     }
 
     /// The bytes of a quantised node with these children. Its boxes contain those of this node.
@@ -100,7 +43,7 @@ impl Node {
     pub fn to_quantised_bytes(&self) -> Result<[u8; BYTES], BoxError> {
         let mut block = [0; BYTES];
         let Self { boxes, children } = self;
-        let exist = children.map(|child| bool::from(exists(Word::<Binary32, 32>::truncate(child))));
+        let exist = children.map(exists);
         for axis in 0..3 {
             let Some(Contained { base, exponent, bounds }) = contain(boxes, &exist, axis, addend)? else { continue };
             block[4 * axis..][..4].copy_from_slice(&base.to_le_bytes());
@@ -114,6 +57,28 @@ impl Node {
         words.iter_mut().zip(children).for_each(|(bytes, child)| *bytes = child.to_le_bytes());
         Ok(block)
     }
+}
+
+/// The bounds of the boxes of a quantised node: along each axis the minima, then the maxima.
+#[inline(always)]
+pub(crate) fn slabs(block: &[u8; BYTES]) -> [[[f32; 4]; 2]; 3] {
+    let exist: [bool; 4] = array_of!(child => exists(word(block, NodeKind::Quantised.child_word() + child)));
+    array_of!(axis => {
+        let (base, power) = (f32::from_bits(word(block, axis)), power(block[12 + axis]));
+        array_of!(side => array_of!(child => {
+            let bound = block[FIRST_BOUND + BOX_WORDS * child + 3 * side + axis];
+            base + if exist[child] { addend(power, bound.into()) } else { MISSING[side] }
+        }))
+    })
+}
+
+/// The bounds of a box that no ray hits.
+pub(super) const MISSING: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+
+/// Boxes by their minima and maxima along each axis.
+pub(super) fn boxes_of<const N: usize>(slabs: [[[f32; N]; 2]; 3]) -> [Aabb<Binary32>; N] {
+    let corner = |side: usize, child: usize| slabs.map(|slab| slab[side][child]);
+    array_of!(child => Aabb::new(corner(0, child), corner(1, child)))
 }
 
 /// The bounds of up to eight boxes along an axis.

@@ -26,7 +26,7 @@
 //! | 010, 100 in bits 7 to 5 | ours: bits 4 to 0 are the lower bits of a [kind](super::Child), whose bit 5 is 0 or 1 |
 
 use super::quantised::{self, Contained};
-use super::{MAX_LEAF, NODE_KIND, NodeKind, child_words};
+use super::{MAX_LEAF, NODE_KIND, NodeKind, word};
 use crate::words::{WordCircuit, WordMethods};
 use raypath_ops::{Aabb, Binary32, Bit, Flags, Num, Select, Word, array_of, bundle};
 use std::ops::RangeInclusive;
@@ -48,6 +48,8 @@ pub const WINDOW: u32 = 3;
 pub const CONTINUATION: u32 = 97;
 /// The kinds of children besides nodes and opaque triangles: other triangles, then boxes and instances.
 const OTHER_KINDS: [RangeInclusive<u32>; 2] = [MAX_LEAF + 1..=MAX_LEAF + WINDOW, 2 * MAX_LEAF + 1..=63];
+/// The byte of child 0 that is a node.
+const NODE_BYTE: u8 = 1 << 5 | 24;
 /// A kind that is not valid.
 const INVALID: u32 = 127;
 
@@ -82,24 +84,9 @@ impl Node8 {
     /// The node in a block.
     #[inline]
     pub fn of(block: &[u8; BYTES]) -> Self {
-        let words = child_words(block, NodeKind::Wide8).map(Word::truncate);
-        let word = |number: usize| child(Binary32, words, Word::truncate(number as u32)).value;
+        let word = children(block);
         let children = array_of!(i => if block[FIRST_KIND + i] == 0 { 0 } else { word(i) });
-        Self { boxes: array_of!(i => Self::aabb(block, i)), children }
-    }
-
-    /// The box of a child.
-    #[inline(always)]
-    pub fn aabb(block: &[u8; BYTES], child: usize) -> Aabb<Binary32> {
-        if block[FIRST_KIND + child] == 0 {
-            return Aabb::new([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        }
-        let bound = |axis: usize, is_max: usize| {
-            let base = f32::from_le_bytes([0, 1, 2, 3].map(|byte| block[4 * axis + byte]));
-            base + addend(quantised::power(block[12 + axis]), block[bound_byte(axis, is_max, child)].into())
-        };
-        let corner = |is_max: usize| [bound(0, is_max), bound(1, is_max), bound(2, is_max)];
-        Aabb::new(corner(0), corner(1))
+        Self { boxes: quantised::boxes_of(slabs(block)), children }
     }
 
     /// The bytes of the node's block. Its boxes contain those of this node.
@@ -140,6 +127,20 @@ impl Node8 {
     }
 }
 
+/// The bounds of the boxes of a node: along each axis the minima, then the maxima.
+#[inline(always)]
+pub(crate) fn slabs(block: &[u8; BYTES]) -> [[[f32; CHILDREN]; 2]; 3] {
+    array_of!(axis => {
+        let base = f32::from_le_bytes([0, 1, 2, 3].map(|byte| block[4 * axis + byte]));
+        let power = quantised::power(block[12 + axis]);
+        array_of!(side => array_of!(child => {
+            let bound = block[bound_byte(axis, side, child)];
+            let is_missing = block[FIRST_KIND + child] == 0;
+            base + if is_missing { quantised::MISSING[side] } else { addend(power, bound.into()) }
+        }))
+    })
+}
+
 /// The child word of the child with this number, from the four words of a node that tell its children.
 #[inline(always)]
 pub fn child<C: WordCircuit>(c: C, words: [Word<C, 32>; 4], number: Word<C, 3>) -> Word<C, 32> {
@@ -171,6 +172,24 @@ pub fn child<C: WordCircuit>(c: C, words: [Word<C, 32>; 4], number: Word<C, 3>) 
     let kind = own.select(c.word(NODE_KIND), is_leaf.select(of_leaf, of_other));
     let kind = base.part::<25, 7>().is(0).select(kind, c.word(INVALID));
     joined(base.plus(rank.widened()).part::<0, 25>(), kind)
+}
+
+/// As [`child`], of a block and any number of children of it.
+#[inline(always)]
+pub(crate) fn children(block: &[u8; BYTES]) -> impl Fn(usize) -> u32 {
+    let kinds: [u8; CHILDREN] = array_of!(i => block[FIRST_KIND + i]);
+    let mask = |counts: fn(u8) -> bool| (0..CHILDREN).fold(0_u32, |mask, i| mask | u32::from(counts(kinds[i])) << i);
+    let (nodes, all) = (mask(|kind| kind >> 3 == NODE_BYTE >> 3), mask(|kind| kind != 0));
+    let bases = [word(block, 4), word(block, 5)];
+    move |number| {
+        let (kind, is_node) = (u32::from(kinds[number]), nodes >> number & 1 == 1);
+        let (base, alike) = if is_node { (bases[0], nodes) } else { (bases[1], all & !nodes) };
+        let of_leaf = [INVALID, 1, kind % 32, 2, 32 + kind % 32, INVALID, INVALID, 3];
+        let kind = if is_node { NODE_KIND } else { of_leaf[kind as usize / 32] };
+        let rank = (alike & ((1 << number) - 1)).count_ones();
+        let kind = if base >> 25 == 0 { kind } else { INVALID };
+        base.wrapping_add(rank) << 7 | kind
+    }
 }
 
 /// The child word that leads to a node once more, for the hits after those of this window.
@@ -246,8 +265,10 @@ impl<C: WordCircuit> Select<C> for Tested<C> {
     }
 }
 
-/// The children of window 0, 1 or 2 among the outcomes of both jobs of a node. They are merged by Batcher's odd-even
-/// network.
+/// The comparisons that merge two sorted halves, by Batcher's odd-even network.
+pub(crate) const MERGE: [(usize, usize); 9] = [(0, 4), (1, 5), (2, 6), (3, 7), (2, 4), (3, 5), (1, 2), (3, 4), (5, 6)];
+
+/// The children of window 0, 1 or 2 among the outcomes of both jobs of a node.
 #[inline(always)]
 pub fn window<C: WordCircuit>(c: C, halves: [Half<C>; 2], window: Word<C, 2>) -> Window<C> {
     let of = |half: usize, i: usize| {
@@ -255,7 +276,7 @@ pub fn window<C: WordCircuit>(c: C, halves: [Half<C>; 2], window: Word<C, 2>) ->
         Tested { hit: hit.0[i], tmin: tmin[i], index: box_index[i], upper: c.bit(half == 1) }
     };
     let mut all: [Tested<C>; CHILDREN] = array_of!(i => of(i / 4, i % 4));
-    for (a, b) in [(0, 4), (1, 5), (2, 6), (3, 7), (2, 4), (3, 5), (1, 2), (3, 4), (5, 6)] {
+    for (a, b) in MERGE {
         let (first, second) = (all[a], all[b]);
         let swaps = first.is_after(second);
         (all[a], all[b]) = (swaps.select(second, first), swaps.select(first, second));
@@ -278,7 +299,7 @@ pub fn window<C: WordCircuit>(c: C, halves: [Half<C>; 2], window: Word<C, 2>) ->
 /// The byte of a child of this kind, after so many triangles.
 pub(crate) fn kind_byte(kind: u32, number: usize, triangles: u32) -> Option<u8> {
     match kind {
-        NODE_KIND => Some(1 << 5 | 24 | number as u8),
+        NODE_KIND => Some(NODE_BYTE | number as u8),
         1..=WINDOW => Some(((1 << kind) - 1) << 5 | triangles as u8),
         _ if OTHER_KINDS.iter().any(|kinds| kinds.contains(&kind)) => Some((2 << (kind / 32)) << 5 | (kind % 32) as u8),
         _ => None,

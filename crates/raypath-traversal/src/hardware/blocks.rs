@@ -3,11 +3,9 @@
 use super::parameters::UnitParameters;
 use super::queue::bits;
 use crate::blocks::{NodeKind, VERTEX_WORDS, quantised};
-use crate::netlist::{Netlist, Value};
 use crate::step::StepParameters;
 use raypath_hdl::text::PortGroup;
 use raypath_hdl::{Builder, Error, Module, Wire};
-use raypath_ops::Word;
 use std::sync::Arc;
 
 /// The words of a block of wide nodes that its jobs need: triangles or, at the same places, boxes or a matrix.
@@ -87,9 +85,7 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
                 let (word, byte) = (child_word + 2 + child / 4, 8 * (child as u32 % 4));
                 (word, data(word).bits(byte + 7, byte).any())
             }
-            _ => {
-                (child_word + child, quantised::exists(Word::new(Netlist(m), Value(data(child_word + child)))).value.0)
-            }
+            _ => (child_word + child, data(child_word + child).lower(nodes.offset_bits()).any()),
         };
         (word, format!("exists_{child}"), exists)
     };

@@ -4,12 +4,10 @@ use super::blocks::{MATRIX_WORDS, job_words};
 use super::connect::hold;
 use super::parameters::UnitParameters;
 use super::queue::bits;
-use crate::blocks::quantised::{self, BOUNDS, Operands, WORDS, operands};
+use crate::blocks::quantised::{self, BOUNDS, FIRST_BOUND};
 use crate::blocks::{BOX_WORDS, NodeKind, VERTEX_WORDS, wide8};
-use crate::netlist::{Netlist, Value};
 use raypath_float::{Format, add, decode, encode};
 use raypath_hdl::{Builder, Error, Module, Wire};
-use raypath_ops::{Bit, Flags, Word};
 use std::sync::Arc;
 
 /// The cycles that a job is in the decoder.
@@ -45,15 +43,15 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
     let encoder = encode(Format::BINARY32)?;
     let recoded =
         |name: &str, wire: Wire<'_>| m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", wire)])[0];
-    let Operands { base, power, .. } = of_block(m, &words, &exists);
     let axes = ["x", "y", "z"];
     let base: [Wire<'_>; 3] = std::array::from_fn(|axis| {
         let name = format!("base_{}", axes[axis]);
-        held(advance, &name, recoded(&name, base[axis].value.0))
+        held(advance, &name, recoded(&name, words[axis]))
     });
     let exponent: [Wire<'_>; 3] = std::array::from_fn(|axis| {
         let name = format!("exponent_{}", axes[axis]);
-        let power = recoded(&name, power[axis].value.0);
+        let power = m.concat(&[m.constant(1, 0), byte(&words, 12 + axis), m.constant(FRACTION, 0)]);
+        let power = recoded(&name, power);
         m.unused(&format!("unused_{name}"), &[power.top(), power.lower(FRACTION)]);
         power.bits(FRACTION + EXPONENT - 1, FRACTION)
     });
@@ -72,11 +70,8 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
             let addend = |bound: usize| {
                 let (axis, is_max) = quantised::place(bound);
                 let child = bound / BOX_WORDS;
-                let [lower, upper] = [child, child + 4].map(|child| {
-                    let byte = wide8::bound_byte(axis, is_max.into(), child);
-                    let low = 8 * (byte % 4) as u32;
-                    (words[byte / 4].bits(low + 7, low), exists[child])
-                });
+                let of = |child: usize| (byte(&words, wide8::bound_byte(axis, is_max.into(), child)), exists[child]);
+                let (lower, upper) = (of(child), of(child + 4));
                 let (q, exists) = (is_upper.mux(upper.0, lower.0), is_upper.mux(upper.1, lower.1));
                 held(advance, &format!("addend_{bound}"), product(q, exponent[axis], exists, is_max))
             };
@@ -100,10 +95,9 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
     let addends = if addends.is_empty() {
         let exists: Vec<Wire<'_>> =
             (0..).zip(exists).map(|(k, bit): (u32, _)| held(advance, &format!("exists_{k}"), bit)).collect();
-        let Operands { fraction, .. } = of_block(m, &words, &exists);
         let addend = |bound: usize| {
             let (axis, is_max) = quantised::place(bound);
-            let fraction = m.concat(&[fraction[bound].value.0, m.constant(FRACTION - 8, 0)]);
+            let fraction = m.concat(&[byte(&words, FIRST_BOUND + bound), m.constant(FRACTION - 8, 0)]);
             number_or_missing(exponent[axis], fraction, exists[bound / BOX_WORDS], is_max)
         };
         (0..BOUNDS).map(addend).collect()
@@ -147,10 +141,9 @@ fn held<'m>(advance: Wire<'m>, name: &str, wire: Wire<'m>) -> Wire<'m> {
     hold(&format!("{name}_q"), advance, wire)
 }
 
-fn of_block<'m>(m: &'m Builder, words: &[Wire<'m>], exists: &[Wire<'m>]) -> Operands<Netlist<'m>> {
-    let c = Netlist(m);
-    let words: [Word<Netlist<'m>, 32>; WORDS] = std::array::from_fn(|k| Word::new(c, Value(words[k])));
-    operands(c, words, Flags(std::array::from_fn(|k| Bit::new(c, Value(exists[k])))))
+fn byte<'m>(words: &[Wire<'m>], place: usize) -> Wire<'m> {
+    let low = 8 * (place % 4) as u32;
+    words[place / 4].bits(low + 7, low)
 }
 
 /// The addend of a bound of eight children: q times the power with this exponent. Exponents of the recoded format go on
