@@ -125,7 +125,7 @@ structures! {
     UnitCandidate: "candidate", ["is_box": "?" @ LEAST_BYTE, "is_opaque": "?" @ 4 + LEAST_BYTE, "primitive": "i4" @ 8,
         "geometry": "i4" @ 12, "instance": "i4" @ 16, "custom_index": "u4" @ 20, "shader_offset": "u4" @ 24,
         "t": "f4" @ 28, "t_num": "f4" @ 32, "t_denom": "f4" @ 36, "u": "f4" @ 40, "v": "f4" @ 44,
-        "back_face": "?" @ 48 + LEAST_BYTE, "ray": "u4" @ 52];
+        "back_face": "?" @ 48 + LEAST_BYTE, "ray": "u4" @ 52, "origin": "(3,)f4" @ 56, "direction": "(3,)f4" @ 68];
     UnitVerdict: "verdict", ["accept": "?" @ LEAST_BYTE, "end": "?" @ 4 + LEAST_BYTE, "t": "f4" @ 8];
     QuadboxResult: "quadbox", ["tmin": "(4,)f4" @ 0, "is_intersect": "(4,)?" @ 16, "box_index": "(4,)u1" @ 20];
 }

@@ -373,6 +373,8 @@ impl UnitOutputs {
             "u": found.u,
             "v": found.v,
             "back_face": found.back_face == 1,
+            "origin": found.origin,
+            "direction": found.direction,
         )?;
         Ok(Some((tag, id, row)))
     }

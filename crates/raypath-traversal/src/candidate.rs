@@ -12,6 +12,10 @@ pub struct Candidate {
     pub is_box: bool,
     /// It counts as opaque, as boxes may.
     pub is_opaque: bool,
+    /// The origin of the ray with which it was tested: in an instance, that in the space of the object.
+    pub origin: [f32; 3],
+    /// The direction of that ray.
+    pub direction: [f32; 3],
 }
 
 /// What a user decides about a candidate.

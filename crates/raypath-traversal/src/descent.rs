@@ -17,7 +17,7 @@ use crate::state::{NO_INSTANCE, status};
 use crate::step::{StepParameters, UnitFeatures, VISIT_LIMIT};
 use crate::words::LEVELS;
 use raypath_model::{NearestFirst, OneRay};
-use raypath_ops::{Binary32, Rules, Word, array_of};
+use raypath_ops::{Binary32, Ray, Rules, Word, array_of};
 
 /// The stack of a ray, and the places on its path: kept from ray to ray, because they need not be cleared.
 #[derive(Debug, Clone)]
@@ -406,7 +406,8 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     fn ask_about(&mut self, mut found: Vec<Hit>, address: u32, count: u32) -> Result<bool, u32> {
         found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
         while let Some(&hit) = found.first().filter(|hit| hit.t < self.extent) {
-            let Verdict { accepts, ends, .. } = (self.decide)(&Candidate { hit, is_box: false, is_opaque: false });
+            let candidate = self.candidate(hit, false, false);
+            let Verdict { accepts, ends, .. } = (self.decide)(&candidate);
             if accepts {
                 self.commit(hit, false);
             }
@@ -427,13 +428,19 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         let Some((is_opaque, _)) = self.culls(is_opaque, ray_flags::SKIP_AABBS) else { return Ok(false) };
         let block = self.fetch(address, 0, 1)?;
         let indices = Hit { primitive: word(block, self.parameters.node.index_word()), ..self.indices(block) };
-        let Verdict { accepts, ends, t } = (self.decide)(&Candidate { hit: indices, is_box: true, is_opaque });
+        let candidate = self.candidate(indices, true, is_opaque);
+        let Verdict { accepts, ends, t } = (self.decide)(&candidate);
         let accepts = accepts && self.ray.t_min <= t && t <= self.extent;
         if accepts {
             let barycentric = self.parameters.features.barycentrics.then_some([0.0; 2]);
             self.commit(Hit { t, t_num: t, t_denom: 1.0, barycentric, ..indices }, true);
         }
         Ok(ends || (accepts && self.has(ray_flags::TERMINATE_ON_FIRST_HIT)))
+    }
+
+    fn candidate(&self, hit: Hit, is_box: bool, is_opaque: bool) -> Candidate {
+        let Ray { origin, dir, .. } = self.here.ray;
+        Candidate { hit, is_box, is_opaque, origin: origin.into(), direction: dir.into() }
     }
 
     /// Whether a leaf of this opacity counts as opaque, and whether its back and its front faces are culled; none if

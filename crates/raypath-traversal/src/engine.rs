@@ -265,6 +265,7 @@ impl UnitPorts {
         let UnitFeatures { barycentrics, instances, .. } = self.features;
         let number = |word: u64| f32::from_bits(word as u32);
         let (is_valid, tag, id) = (word() == 1, word() as u32, word());
+        let [origin, direction] = [(); 2].map(|()| [(); 3].map(|()| number(word())));
         let (is_box, is_opaque) = (word() == 1, word() == 1);
         let instance = instances.then(|| HitInstance {
             index: word() as u32,
@@ -279,7 +280,8 @@ impl UnitPorts {
         hit.back_face = word() == 1;
         // The port that says that verdicts are taken.
         word();
-        is_valid.then_some(AskedCandidate { tag, id, candidate: Candidate { hit, is_box, is_opaque } })
+        let candidate = Candidate { hit, is_box, is_opaque, origin, direction };
+        is_valid.then_some(AskedCandidate { tag, id, candidate })
     }
 }
 

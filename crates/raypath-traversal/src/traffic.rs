@@ -185,7 +185,7 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
         let mut all = engines.iter_mut().map(|engine| engine.outputs());
         let Some(outputs) = all.next() else { return Ok(()) };
         for (number, other) in (1..).zip(all) {
-            if other != outputs {
+            if other != outputs || ray_bits(&other) != ray_bits(&outputs) {
                 return Err(wrong(format!("cycle {now}: engine {number} shows {other:?}, engine 0 {outputs:?}")));
             }
         }
@@ -295,6 +295,12 @@ pub fn verdict_of(candidate: &Candidate) -> Verdict {
     // A box is often at a distance that does not count.
     let t = if *is_box { [0.5, 1.5, 3.0, f32::NAN, 100.0, -1.0][mixed as usize / 64 % 6] } else { 0.0 };
     Verdict { accepts: mixed % 8 < 3, ends: mixed / 8 % 16 == 0, t }
+}
+
+/// The ray of a candidate in bits, by which zeros of both signs differ.
+fn ray_bits(outputs: &UnitOutputs) -> Option<[[u32; 3]; 2]> {
+    let bits = |vector: [f32; 3]| vector.map(f32::to_bits);
+    outputs.candidate.map(|AskedCandidate { candidate, .. }| [candidate.origin, candidate.direction].map(bits))
 }
 
 /// A hit in words, which are equal for equal NaN.

@@ -10,7 +10,7 @@ use crate::set_up::Entry;
 use crate::state::{Answer, RayState, Request, TriangleHit, request, status};
 use crate::step::{StepParameters, UnitFeatures, is_back_face};
 use raypath_model::{State, StateWords, state};
-use raypath_ops::{Binary32, Vec3};
+use raypath_ops::{Binary32, Ray, Vec3};
 
 /// A ray on its way through a scene.
 #[derive(Debug, Clone)]
@@ -114,7 +114,7 @@ impl Walk {
             }
             AskedKind::Again | AskedKind::Nothing => return self.advance(parameters, Answers::again()),
         }
-        let ready = if self.state.inside.into() { &self.inside } else { &self.outside };
+        let ready = self.here();
         // Each kind of answer has a copy of the step, from which the compiler removes what other answers need.
         match memory.block(self.address(block), parameters.node.block_bytes()) {
             Ok(bytes) if block.is_instance => {
@@ -176,7 +176,15 @@ impl Walk {
             ..indices
         };
         let (is_box, is_opaque) = (leaf_is_box.into(), leaf_is_opaque.into());
-        Some(Candidate { hit: if is_box { indices } else { of_triangle }, is_box, is_opaque })
+        let hit = if is_box { indices } else { of_triangle };
+        let Ray { origin, dir, .. } = self.here().ray;
+        Some(Candidate { hit, is_box, is_opaque, origin: origin.into(), direction: dir.into() })
+    }
+
+    /// The ray in the space in which it is.
+    #[inline(always)]
+    fn here(&self) -> &ReadyRay {
+        if self.state.inside.into() { &self.inside } else { &self.outside }
     }
 
     /// The address of a block that this ray asked for.

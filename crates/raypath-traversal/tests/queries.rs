@@ -80,6 +80,29 @@ struct Met {
     is_opaque: bool,
 }
 
+/// A point, or a direction with a translation by 0, in the space of an object.
+fn moved(to_object: [[f32; 4]; 3], point: [f32; 3], by: f64) -> [f64; 3] {
+    to_object.map(|row| (0..3).map(|k| f64::from(row[k]) * f64::from(point[k])).sum::<f64>() + f64::from(row[3]) * by)
+}
+
+/// Checks the ray that a candidate in this instance shows: as it entered the unit, or within the rounding of the
+/// transform, at most four roundings of each term.
+fn check_ray(candidate: &Candidate, ray: &RayRequest, instance: Option<Instance>) {
+    let Candidate { origin, direction, .. } = *candidate;
+    for (found, given, by) in [(origin, ray.origin, 1.0), (direction, ray.direction, 0.0)] {
+        let Some(Instance { to_object, .. }) = instance else {
+            assert_eq!(found.map(f32::to_bits), given.map(f32::to_bits), "{ray:?}");
+            continue;
+        };
+        let (exact, terms) =
+            (moved(to_object, given, by), moved(to_object.map(|row| row.map(f32::abs)), given.map(f32::abs), by));
+        for k in 0..3 {
+            let bound = 4.001 * f64::from(f32::EPSILON / 2.0) * terms[k] + 1e-44;
+            assert!((f64::from(found[k]) - exact[k]).abs() <= bound, "{ray:?}, {instance:?}: {found:?}, {exact:?}");
+        }
+    }
+}
+
 /// The triangles that count, where the ray meets their planes.
 fn met(objects: &[Object], ray: &RayRequest, front: Front) -> Vec<Met> {
     let has = |flag: u32| ray.flags & flag != 0;
@@ -90,12 +113,7 @@ fn met(objects: &[Object], ray: &RayRequest, front: Front) -> Vec<Met> {
             continue;
         }
         let to_object = instance.map_or(Instance::default().to_object, |instance| instance.to_object);
-        let moved = |point: [f32; 3], by: f64| {
-            to_object.map(|row| {
-                (0..3).map(|k| f64::from(row[k]) * f64::from(point[k])).sum::<f64>() + f64::from(row[3]) * by
-            })
-        };
-        let (origin, direction) = (moved(ray.origin, 1.0), moved(ray.direction, 0.0));
+        let (origin, direction) = (moved(to_object, ray.origin, 1.0), moved(to_object, ray.direction, 0.0));
         for Geometry { index, is_opaque, triangles } in geometries {
             let mut is_opaque = *is_opaque;
             for (flag, value) in [(instance_flags::FORCE_OPAQUE, true), (instance_flags::FORCE_NO_OPAQUE, false)] {
@@ -177,6 +195,7 @@ fn hits_are_those_of_the_rules() {
     const NEAR: f64 = 1e-4;
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let (mut rays, mut certain, mut hits, mut in_instances, mut candidates) = (0, 0, 0, 0, 0);
+    let mut asked_in_instances = 0;
     let is_accepted = |primitive: u32| primitive.is_multiple_of(2);
     for number in 0..200 {
         let mut objects = random_objects(&mut random);
@@ -193,6 +212,8 @@ fn hits_are_those_of_the_rules() {
             let reply = unit.trace_with(&scene.0[..], &ray, &mut |candidate: &Candidate| {
                 let Hit { instance, geometry, primitive, back_face, .. } = candidate.hit;
                 asked.push((instance, geometry, primitive, back_face));
+                check_ray(candidate, &ray, instance.and_then(|place| objects[place.index as usize].instance));
+                asked_in_instances += u32::from(instance.is_some());
                 Verdict { accepts: is_accepted(primitive), ..Verdict::IGNORE }
             });
             assert!(reply.status <= status::REFUSED, "{reply:?}");
@@ -236,7 +257,7 @@ fn hits_are_those_of_the_rules() {
         }
     }
     assert!(certain > rays * 3 / 4 && hits > 2000 && in_instances > 1000, "{rays}, {certain}, {hits}, {in_instances}");
-    assert!(candidates > 500, "{candidates} candidates");
+    assert!(candidates > 500 && asked_in_instances > 250, "{candidates} candidates, {asked_in_instances}");
 }
 
 /// Combinations that the APIs do not have are refused, and the others are not.

@@ -20,6 +20,7 @@ use raypath_traversal::{
 const NOTHING: UnitFeatures = UnitFeatures::OFF;
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
 const FLAGS: UnitFeatures = UnitFeatures { queries: Queries::Flags, ..NOTHING };
+const CANDIDATES: UnitFeatures = UnitFeatures { queries: Queries::Full, ..NOTHING };
 const EVERYTHING: UnitFeatures =
     UnitFeatures { barycentrics: true, edges: EdgeRule::Once, instances: true, nested: true, queries: Queries::Full };
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
@@ -56,7 +57,7 @@ fn the_model_equals_the_netlist_in_every_cycle() {
     // ids.
     for (seed, (contexts, stack, node, features, memory_width, id_width, divider_latency), control) in [
         (1, (8, 8, Wide4, NOTHING, 128, 3, 1), Control::Skid),
-        (2, (12, 2, Wide4, NOTHING, 512, 64, 11), Control::Credit),
+        (2, (12, 2, Wide4, CANDIDATES, 512, 64, 11), Control::Credit),
         (3, (64, 8, Wide4, WEIGHTS, 1024, 16, 27), Control::Skid),
         (
             4,
@@ -72,6 +73,7 @@ fn the_model_equals_the_netlist_in_every_cycle() {
         (7, (64, 8, Wide4, EVERYTHING, 1024, 16, 11), Control::Skid),
         (8, (12, 2, Wide8, NOTHING, 256, 64, 11), Control::Credit),
         (9, (64, 4, Wide8, EVERYTHING, 1024, 16, 4), Control::Skid),
+        (10, (9, 4, Wide4, UnitFeatures { instances: true, ..CANDIDATES }, 256, 16, 4), Control::Credit),
     ] {
         let front = [Front::CounterClockwise, Front::Clockwise][seed as usize % 2];
         let step = StepParameters { stack, node, front, features };

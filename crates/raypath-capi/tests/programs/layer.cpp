@@ -155,6 +155,8 @@ static void traversal() {
   CHECK(!query->hit());
   while (query->proceed(mixed->bytes())) {
     CHECK(query->candidate().is_box == (asked == 1) && query->candidate().geometry == (asked == 1));
+    CHECK(std::memcmp(query->candidate().origin, again[0].origin, sizeof again[0].origin) == 0);
+    CHECK(std::memcmp(query->candidate().direction, again[0].direction, sizeof again[0].direction) == 0);
     if (query->candidate().is_box) query->generate(4.25f);
     asked++;
   }

@@ -6,8 +6,9 @@ use crate::Error;
 use raypath_traversal::state::NO_INSTANCE;
 use raypath_traversal::{self as unit, Candidate, HitInstance, Verdict};
 
-/// Something that a ray may hit, about which its user decides, 56 bytes: a triangle that is not opaque, or a procedural
-/// box. The members are the ports of the channel of candidates; for a box, all but the indices are 0.
+/// Something that a ray may hit, about which its user decides, 80 bytes: a triangle that is not opaque, or a procedural
+/// box. The members are the ports of the channel of candidates; for a box, all but the indices and the
+/// ray are 0.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UnitCandidate {
@@ -39,6 +40,10 @@ pub struct UnitCandidate {
     pub back_face: u32,
     /// The index of the ray among those that were given.
     pub ray: u32,
+    /// The origin of the ray in the space of its instance; in none, that of the ray itself.
+    pub origin: [f32; 3],
+    /// The direction of the ray in that space, which is not normalised.
+    pub direction: [f32; 3],
 }
 
 /// What a user decides about a candidate, 12 bytes. All members 0 ignore it.
@@ -111,7 +116,7 @@ impl Unit {
 }
 
 impl From<&Candidate> for UnitCandidate {
-    fn from(&Candidate { hit, is_box, is_opaque }: &Candidate) -> Self {
+    fn from(&Candidate { hit, is_box, is_opaque, origin, direction }: &Candidate) -> Self {
         let none = HitInstance { index: NO_INSTANCE, ..HitInstance::default() };
         let HitInstance { index, custom_index, shader_offset } = hit.instance.unwrap_or(none);
         let [u, v] = hit.barycentric.unwrap_or_default();
@@ -130,6 +135,8 @@ impl From<&Candidate> for UnitCandidate {
             v,
             back_face: hit.back_face.into(),
             ray: 0,
+            origin,
+            direction,
         }
     }
 }

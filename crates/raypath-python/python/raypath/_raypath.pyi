@@ -133,6 +133,8 @@ class _Candidate(TypedDict):
     u: float
     v: float
     back_face: bool
+    origin: list[float]
+    direction: list[float]
 
 class _Run(TypedDict):
     accepted: int

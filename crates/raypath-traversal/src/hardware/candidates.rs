@@ -43,8 +43,8 @@ pub fn is_of_candidate(stem: &str, field: &str, features: UnitFeatures) -> bool 
 
 /// The module `raypath_unit_candidates`. The closest hit of a block, `tested_…_i`, is kept where `is_tested_i` is 1. If
 /// it is a candidate, its ray asks where `asks_i` is 1 a cycle later, in the state `next_…_i`. Candidates leave in order:
-/// `valid_o`, `tag_o`, which is the context, and `cand_…_o`, until `ready_i` is 1. Where `read_o` is 1, the id of the
-/// ray in `context_o` is read.
+/// `valid_o`, `tag_o`, which is the context, and `cand_…_o`, until `ready_i` is 1. Where `read_o` is 1, the id and
+/// the numbers of the ray in `context_o` are read.
 pub fn candidates(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let UnitParameters { contexts, step: StepParameters { features, front, .. }, .. } = parameters;
     let builder = Builder::new("raypath_unit_candidates");

@@ -20,11 +20,11 @@ use std::sync::Arc;
 /// Where `enters_instance_o` is 1, `object_…_o` is the origin of `origin_context_o` in the space of its instance. The
 /// constants come out as from `raypath_unit_set_up`, and `is_instance_o` says that they are those in an instance.
 ///
-/// With nested instances, `direction_…_o` is its direction there.
+/// With directions, `direction_…_o` is its direction there.
 ///
 /// New rays and instances take turns if both wait. As `ready_o` does not depend on `valid_i`, the turn of a new ray
 /// passes in a cycle in which it could enter, whether it comes or not.
-pub fn entries(contexts: u32, divider_latency: u32, nested: bool) -> Result<Arc<Module>, Error> {
+pub fn entries(contexts: u32, divider_latency: u32, has_directions: bool) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_entries");
     let m = &builder;
     m.doc("The set-up of new rays, and of rays that enter an instance.");
@@ -69,7 +69,7 @@ pub fn entries(contexts: u32, divider_latency: u32, nested: bool) -> Result<Arc<
     m.output("enters_instance_o", chosen & ready.wire());
     m.output("origin_context_o", transformed_context);
     outputs(m, "object", &from_list::<Vec3<Netlist<'_>>>(m, &origin));
-    if nested {
+    if has_directions {
         outputs(m, "direction", &transformed);
     }
     let (known, is_instance) = (constants.port("context").lower(width), constants.port("context").top());

@@ -1,6 +1,6 @@
 //! The rays: their contexts, their set-up, and what is kept of them.
 
-use super::connect::{Inputs, Named, keep, named};
+use super::connect::{Inputs, Named, delay, keep, named, prefixed};
 use super::contexts::contexts;
 use super::entries::entries;
 use super::parameters::UnitParameters;
@@ -23,11 +23,13 @@ use std::sync::Arc;
 /// read at the same time.
 ///
 /// Readers give an enable and a context, and have their words in the next cycle: `job_read_i` for `job_…_o`,
-/// `limits_read_i` for `limits_…_o`, `step_read_i` for `begin_…_o`.
+/// `limits_read_i` for `limits_…_o`, `step_read_i` for `begin_…_o`, and with candidates `candidate_read_i` for
+/// `candidate_…_o`.
 ///
 /// With instances, the outcomes of transforms, `transformed_…_i`, enter the set-up as `raypath_unit_entries` says, and
 /// `start_is_instance_o` says that a ray does not begin but enters an instance. `job_…_o` has the constants in its
-/// space if `job_inside_i` is 1; `job_dir_…_o` is the direction outside.
+/// space if `job_inside_i` is 1; `job_dir_…_o` is the direction outside, with nested instances or candidates that in its
+/// space too.
 pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let UnitParameters { contexts: count, id_width, divider_latency, step, .. } = parameters;
     let StepParameters { features, front, .. } = step;
@@ -69,6 +71,8 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .ports(wires("entry", &entry))
         .port("is_meaningless", flags.are_meaningless().value.0.named("is_meaningless"))
         .port("context", context);
+    // The transform of a nested instance begins with the direction in the instance around it, and candidates show it.
+    let has_directions = features.nested || features.has_candidates();
     let constants = if features.instances {
         let [is_transformed, is_last] = ["valid", "is_last"].map(|name| m.input(&format!("transformed_{name}_i"), 1));
         let transformed: Vec3<Netlist<'_>> = inputs(m, "transformed");
@@ -78,7 +82,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
             .port("transformed_is_last", is_last)
             .port("transformed_context", m.input("transformed_context_i", width))
             .ports(wires("transformed", &transformed))
-            .place(m, "u_entries", &entries(count, divider_latency, features.nested)?)
+            .place(m, "u_entries", &entries(count, divider_latency, has_directions)?)
     } else {
         entering.place(m, "u_set_up", &set_up(count, divider_latency)?)
     };
@@ -122,8 +126,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         let mut pairs: Vec<_> =
             origin.into_iter().chain(outside).zip(object_origin.into_iter().chain(inside)).collect();
         let direction = keep("u_directions", count, at_entry, wires("dir", &entry.dir), job);
-        if features.nested {
-            // The transform of a nested instance begins with the direction in the instance around it.
+        if has_directions {
             let object = keep("u_object_directions", count, at_instance, constants.under("direction"), job);
             pairs.extend(direction.into_iter().zip(object));
         } else {
@@ -135,6 +138,19 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     } else {
         origin.into_iter().chain(keep("u_constants", count, (is_known, known), derived, job)).collect()
     };
+    // Of the ray as its last job has it. The words stay until the verdict, because the ray has no job before.
+    let candidate_ray = candidate.map(|reader| {
+        let (write, words) = if features.instances {
+            let is_read = m.register("job_is_read_q", 1).reset_to(0);
+            is_read.next(job.0);
+            let is_of_ray = |name: &str| name.starts_with("origin_") || name.starts_with("dir_");
+            let words = of_job.iter().filter(|(name, _)| is_of_ray(name)).cloned().collect();
+            ((is_read.wire(), delay("job_context_q", job.1)), words)
+        } else {
+            (at_entry, [wires("origin", &entry.origin), wires("dir", &entry.dir)].concat())
+        };
+        prefixed("candidate", keep("u_candidate_rays", count, write, words, reader))
+    });
 
     m.section("Rays that begin");
     let columns = [("context", width), ("is_refused", 1), ("is_instance", 1)];
@@ -153,7 +169,10 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         m.output("transformed_ready_o", constants.port("transformed_ready"));
     }
     let output = |name: &str, wire| m.output(&format!("{name}_o"), wire);
-    id.iter().chain(&limits).chain(candidate_id.iter().flatten()).for_each(|(name, wire)| output(name, *wire));
+    id.iter()
+        .chain(&limits)
+        .chain(candidate_id.iter().chain(&candidate_ray).flatten())
+        .for_each(|(name, wire)| output(name, *wire));
     of_job.into_iter().for_each(|(name, wire)| output(&format!("job_{name}"), wire));
     begin.iter().for_each(|(name, wire)| output(&format!("begin_{name}"), *wire));
     builder.finish()

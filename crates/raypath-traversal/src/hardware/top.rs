@@ -524,8 +524,7 @@ impl<'m> Top<'m> {
         if let Some(candidates) = candidates {
             m.output("cand_valid_o", candidates.port("valid"));
             m.output("cand_tag_o", candidates.port("tag"));
-            m.output("cand_id_o", rays.port("candidate_id"));
-            let shown = candidates.under("cand");
+            let shown = rays.under("candidate").into_iter().chain(candidates.under("cand"));
             shown.into_iter().for_each(|(name, wire)| m.output(&format!("cand_{name}_o"), wire));
             m.output("answer_ready_o", m.constant(1, 1));
         }
