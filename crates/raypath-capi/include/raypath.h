@@ -666,8 +666,8 @@ typedef struct {
 } raypath_unit_ray;
 
 /**
- * Something that a ray may hit, about which its user decides, 56 bytes: a triangle that is not opaque, or a procedural
- * box. The members are the ports of the channel of candidates; for a box, all but the indices are 0.
+ * Something that a ray may hit, about which its user decides, 80 bytes: a triangle that is not opaque, or a procedural
+ * box. The members are the ports of the channel of candidates; for a box, all but its indices and the ray are 0.
  */
 typedef struct {
   /**
@@ -726,6 +726,14 @@ typedef struct {
    * The index of the ray among those that were given.
    */
   uint32_t ray;
+  /**
+   * The origin of the ray in the space of its instance; in none, that of the ray itself.
+   */
+  float origin[3];
+  /**
+   * The direction of the ray in that space, which is not normalised.
+   */
+  float direction[3];
 } raypath_unit_candidate;
 
 /**

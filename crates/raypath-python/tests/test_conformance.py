@@ -2,8 +2,7 @@
 `external/vulkancts/modules/vulkan/ray_query` of KhronosGroup/VK-GL-CTS, and the tests that cover them:
 
 builtin                   `test_builtin`; flow, t, indices and offsets also `test_unit.py::test_candidates` and the
-                          crate raypath-traversal, `tests/queries.rs`. Matrices, and the ray in the object's space, are
-                          with the user, who has the scene.
+                          crate raypath-traversal, `tests/queries.rs`. Matrices are with the user, who has the scene.
 traversal_control         `test_traversal_control`
 acceleration_structures   `test_instance_flags`, `test_inactive`; forms of building, copying and updating do not apply:
                           the unit reads memory that a builder has written
@@ -81,14 +80,20 @@ LENGTHS = list(product([1.0, 0.5, 2.7, 9.3], [(0.0, 0.0), (1.2, 4.4), (5.9, 0.3)
 @pytest.mark.parametrize(("scale", "angles"), LENGTHS)
 @pytest.mark.parametrize("is_box", [False, True])
 def test_direction_length(scale: float, angles: tuple[float, float], is_box: bool) -> None:
-    """A hit at distance 4 has t = 4 / scale, in an interval of 0.001 about it."""
+    """A hit at distance 4 has t = 4 / scale, in an interval of 0.001 about it, and the ray is that of the object."""
     triangle = f32([[[0, 0.5, 5], [-0.5, -0.5, 5], [0.5, -0.5, 5]]])
     geometry = Geometry(boxes=f32([[[-0.5, -0.5, 5], [0.5, 0.5, 5]]])) if is_box else Geometry(triangle, opaque=False)
     turn = rotation(*angles)
     at = 4 / scale
     rays = {"origins": turn @ [0, 0, 1], "directions": turn @ [0, 0, scale], "t_min": at - 5e-4, "t_max": at + 5e-4}
     placed = Instance(np.column_stack([turn, np.zeros(3)]))
-    asked, hits = ask([geometry], [placed], rays, lambda c: c.t >= 0, lambda c: f32(np.full(len(c.ray), at)))
+
+    def note(candidates: raypath.Candidates) -> Any:
+        np.testing.assert_allclose(candidates.origin, [[0, 0, 1]], atol=1e-6)
+        np.testing.assert_allclose(candidates.direction, [[0, 0, scale]], atol=1e-5)
+        return candidates.t >= 0
+
+    asked, hits = ask([geometry], [placed], rays, note, lambda c: f32(np.full(len(c.ray), at)))
     assert asked == [(0, is_box, 0, 0)]
     assert abs(hits.t[0] - at) < 1e-3
 

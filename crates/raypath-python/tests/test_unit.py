@@ -308,16 +308,17 @@ def test_instances(mesh: Mesh) -> None:
 
 @pytest.mark.parametrize("node", ["wide4", "quantised"])
 def test_groups(node: Literal["wide4", "quantised"]) -> None:
-    """Scenes in scenes, in three levels: the hits of all triangles at their places, whose coordinates are exact."""
+    """Scenes in scenes, in three levels: the hits of all triangles at their places, whose coordinates are exact. The
+    rays of candidates meet their triangles in the space of these."""
 
     def moved(scale: float, *by: float) -> NDArray[np.float64]:
         return np.concatenate([scale * np.eye(3), np.array(by)[:, None]], axis=1)
 
-    unit = raypath.Unit("compact", instances=True, nested_instances=True, node=node)
+    unit = raypath.Unit("compact", instances=True, nested_instances=True, queries="full", node=node)
     random = np.random.default_rng(3)
     corners = random.uniform(-1, 1, (40, 1, 3)) + random.uniform(-0.3, 0.3, (40, 3, 3))
     triangles = (np.round(corners * 64) / 64).astype(np.float32)
-    body = unit.scene(triangles)
+    body = unit.scene([raypath.Geometry(triangles, opaque=False)])
     inner, outer = (
         [moved(1, 0, 0, 0), moved(0.5, 3, 0, 0)],
         [moved(1, 0, 0, 0), moved(-2, 0, 8, 0), moved(0.5, 4, -4, 1)],
@@ -348,6 +349,11 @@ def test_groups(node: Literal["wide4", "quantised"]) -> None:
     innermost = np.where(path < 6, path % 2, 3)
     right = (found.primitive[hit] == expected.primitive[hit] % 40) & (found.instance[hit] == innermost)
     assert (~right).sum() < 8
+    for candidates in unit.query(world, world.rays(origins, directions)):
+        a, b, c = triangles[candidates.primitive].swapaxes(0, 1)
+        normal = np.cross(b - a, c - a)
+        away = candidates.origin + candidates.t[:, None] * candidates.direction - a
+        assert np.abs((away * normal).sum(1) / np.linalg.norm(normal, axis=1)).max() < 1e-4
     with pytest.raises(ValueError, match=r"scene 0 was built for a reach of 4000, expected at least .* at its places"):
         unit.group(parts, reach=9000)
     with pytest.raises(ValueError, match="instance 0 has the scene None, expected a UnitScene"):
@@ -440,6 +446,8 @@ def test_candidates() -> None:
         names = list(zip(candidates.ray.tolist(), candidates.geometry.tolist(), candidates.primitive.tolist()))
         assert not seen.intersection(names)
         seen.update(names)
+        np.testing.assert_array_equal(candidates.direction, directions[candidates.ray])
+        np.testing.assert_allclose(candidates.origin, local[candidates.ray], atol=1e-6)
         is_hit, t = sphere(candidates.ray, candidates.primitive % 30)
         candidates.answer(np.where(candidates.is_box, is_hit, candidates.primitive % 3 == 0), t=t)
     hits = query.hits
@@ -471,6 +479,7 @@ def test_candidates() -> None:
             found[outputs.hit_id] = outputs.hit
         if outputs.candidate is not None:
             tag, ray, one = outputs.candidate
+            assert one["direction"] == directions[ray].tolist()
             is_hit, t = sphere(np.array([ray]), np.array([one["primitive"] % 30]))
             verdict = (tag, bool(is_hit[0]) if one["is_box"] else one["primitive"] % 3 == 0, False, float(t[0]))
         if outputs.request is not None:

@@ -7,8 +7,7 @@ use raypath_traversal::state::NO_INSTANCE;
 use raypath_traversal::{self as unit, Candidate, HitInstance, Verdict};
 
 /// Something that a ray may hit, about which its user decides, 80 bytes: a triangle that is not opaque, or a procedural
-/// box. The members are the ports of the channel of candidates; for a box, all but the indices and the
-/// ray are 0.
+/// box. The members are the ports of the channel of candidates; for a box, all but its indices and the ray are 0.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UnitCandidate {

@@ -88,9 +88,9 @@ class Candidates:
 
     What is not answered is ignored. ``array`` is a structured array with the fields ``ray`` (the index of the ray),
     ``is_box``, ``is_opaque``, ``primitive``, ``geometry``, ``instance`` (-1 in none), ``custom_index``,
-    ``shader_offset``, ``t``, ``t_num``, ``t_denom``, ``u``, ``v``, ``back_face``, ``origin`` and ``direction`` (those of
-    the ray in the space of the instance, float32 of shape (n, 3)), which are attributes as well. All but the indices
-    and the ray are 0 for a box.
+    ``shader_offset``, ``t``, ``t_num``, ``t_denom``, ``u``, ``v``, ``back_face``, and ``origin`` and ``direction`` of
+    the ray in the space of the instance, of shape (n, 3). They are attributes as well. All but the indices and the ray
+    are 0 for a box.
     """
 
     def __init__(self, array: NDArray[np.void]) -> None:
