@@ -138,7 +138,8 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     } else {
         origin.into_iter().chain(keep("u_constants", count, (is_known, known), derived, job)).collect()
     };
-    // Of the ray as its last job has it. The words stay until the verdict, because the ray has no job before.
+    // A candidate was tested by the last job of its ray, whose words are kept, because the port of jobs is not free to
+    // read them again. They stay: before its verdict, a ray has no further job.
     let candidate_ray = candidate.map(|reader| {
         let (write, words) = if features.instances {
             let is_read = m.register("job_is_read_q", 1).reset_to(0);
