@@ -38,7 +38,8 @@ class FixedLatency : public raypath::host::Memory {
  private:
   struct Read {
     Cycle due;
-    std::uint32_t address, tag;
+    std::uint64_t address;
+    std::uint32_t tag;
   };
   raypath::Span<const std::uint8_t> scene_;
   std::deque<Read> pending_;

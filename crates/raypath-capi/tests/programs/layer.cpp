@@ -14,7 +14,7 @@ static_assert(sizeof(raypath::Ray) == 64 && sizeof(raypath::Box) == 24 && sizeof
 static_assert(sizeof(raypath::QuadboxResult) == 24 && sizeof(raypath::TriangleResult) == 12);
 static_assert(!std::is_copy_constructible_v<raypath::Datapath> && !std::is_copy_constructible_v<raypath::Pipeline>);
 static_assert(std::is_nothrow_move_constructible_v<raypath::Datapath>);
-static_assert(sizeof(raypath::UnitRay) == 44 && sizeof(raypath::UnitHit) == 56);
+static_assert(sizeof(raypath::UnitRay) == 48 && sizeof(raypath::UnitHit) == 56);
 static_assert(!std::is_copy_constructible_v<raypath::Unit> && !std::is_copy_constructible_v<raypath::UnitModel>);
 
 static void errors() {
