@@ -427,7 +427,7 @@ pub fn shown(hit: UnitHit) -> UnitHit {
 ///     data: the bytes, the first of which has the address 0; ``Unit.scene`` and ``raypath scene`` make them.
 ///     root: the child word of the root, which ``raypath scene`` prints.
 ///     within: the corners of the scene's box and its reach, for warnings of rays from further away.
-///     node: the kind of its nodes, ``"wide4"`` or ``"quantised"``; a unit that reads others refuses it.
+///     node: the kind of its nodes, ``"wide4"``, ``"quantised"`` or ``"wide8"``; a unit that reads others refuses it.
 ///
 /// Raises:
 ///     OverflowError: a root of more than 32 bits.

@@ -306,8 +306,8 @@ def test_instances(mesh: Mesh) -> None:
         TWO_LEVELS.trace(near, far)
 
 
-@pytest.mark.parametrize("node", ["wide4", "quantised"])
-def test_groups(node: Literal["wide4", "quantised"]) -> None:
+@pytest.mark.parametrize("node", ["wide4", "quantised", "wide8"])
+def test_groups(node: Literal["wide4", "quantised", "wide8"]) -> None:
     """Scenes in scenes, in three levels: the hits of all triangles at their places, whose coordinates are exact. The
     rays of candidates meet their triangles in the space of these."""
 

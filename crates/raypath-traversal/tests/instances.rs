@@ -307,7 +307,7 @@ fn hits_are_those_of_every_triangle_in_binary64() {
 /// them.
 #[test]
 fn an_instance_takes_as_many_cycles_as_documented() {
-    for (node, documented) in [(NodeKind::Wide4, 39), (NodeKind::Quantised, 41)] {
+    for (node, documented) in [(NodeKind::Wide4, 39), (NodeKind::Quantised, 41), (NodeKind::Wide8, 41)] {
         let mut scene = Scene(Vec::new(), node);
         let object = scene.leaf(&[at(3.0, 0)]);
         let root = scene.instance(&Instance { root: object, ..Instance::default() });

@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Rules};
 use raypath_rtl::Config;
+use raypath_traversal::blocks::wide8::Node8;
 use raypath_traversal::blocks::{Node, NodeKind};
 use raypath_traversal::traffic::{Behaviour, BlockScene as Scene, Environment, random_ray as ray};
 use raypath_traversal::{
@@ -21,13 +22,17 @@ fn bounds(Aabb { x, y, z }: Aabb<Binary32>) -> [f32; 6] {
     [x.min, y.min, z.min, x.max, y.max, z.max].map(f32::from)
 }
 
-/// A bound by the document, in binary64: it has more than twice the digits of binary32, so that its sum, rounded once
-/// more, is the correctly rounded one.
-fn bound(block: &[u8; 64], child: usize, place: usize) -> f32 {
+/// A bound by the document, in binary64, and the step of the grid: binary64 has more than twice the digits of binary32,
+/// so that its sum, rounded once more, is the correctly rounded one.
+fn bound(block: &[u8], nodes: NodeKind, child: usize, place: usize) -> (f32, f64) {
     let axis = place % 3;
     let base = f32::from_le_bytes(std::array::from_fn(|k| block[4 * axis + k]));
-    let (exponent, q) = (i32::from(block[12 + axis]), f64::from(block[16 + 6 * child + place]));
-    (f64::from(base) + 2.0_f64.powi(exponent - 127) * (1.0 + q / 256.0)) as f32
+    let power = 2.0_f64.powi(i32::from(block[12 + axis]) - 127);
+    let (addend, step) = match nodes {
+        NodeKind::Wide8 => (power * f64::from(block[32 + 8 * (2 * axis + place / 3) + child]), power),
+        _ => (power * (1.0 + f64::from(block[16 + 6 * child + place]) / 256.0), power / 256.0),
+    };
+    ((f64::from(base) + addend) as f32, step)
 }
 
 /// An interval of one of many magnitudes, at most half of the greatest number wide.
@@ -49,34 +54,48 @@ fn interval(centre: f32, random: &mut ChaCha8Rng) -> [f32; 2] {
 fn boxes_are_contained_and_tight() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let special = [0.0, -0.0, f32::MIN_POSITIVE, f32::from_bits(1), -f32::from_bits(1), 1.0, -1.0, 1e38, -8e37];
-    for _ in 0..20_000 {
+    for case in 0..20_000 {
+        let nodes = [NodeKind::Quantised, NodeKind::Wide8][case % 2];
         let centre: f32 = match random.random_range(0..4) {
             0 => special[random.random_range(0..special.len())],
             1 => f32::from_bits(random.random::<u32>() & !0x4000_0000),
             _ => random.random_range(-100.0..100.0),
         };
-        let count = random.random_range(0..5);
+        let count = random.random_range(0..=nodes.children());
         let mut slab = || interval(centre, &mut random);
-        let boxes = std::array::from_fn(|_| {
+        let boxes: [Aabb<Binary32>; 8] = std::array::from_fn(|_| {
             let [[a, d], [b, e], [c, f]] = [slab(), slab(), slab()];
             Aabb::new([a, b, c], [d, e, f])
         });
-        let children = std::array::from_fn(|child| if child < count { 0x1000 + 64 * child as u32 + 1 } else { 0 });
-        let block = Node { boxes, children }.to_quantised_bytes().expect("boxes within a quarter");
-        let node = Node::of_quantised(&block);
-        assert_eq!(node.children, children);
-        for child in 0..4 {
-            let (given, found) = (bounds(boxes[child]), bounds(node.boxes[child]));
+        let word = |child: u32| if child < count as u32 { 0x1000 + nodes.block_bytes() * child + 1 } else { 0 };
+        let children: [u32; 8] = std::array::from_fn(|child| word(child as u32));
+        let (block, read) = match nodes {
+            NodeKind::Wide8 => {
+                let block = Node8 { boxes, children }.to_bytes().expect("boxes within a quarter");
+                let Node8 { boxes, children: found } = Node8::of(&block);
+                assert_eq!(found, children);
+                (block.to_vec(), boxes.to_vec())
+            }
+            _ => {
+                let (boxes, children) = ([0, 1, 2, 3].map(|k| boxes[k]), [0, 1, 2, 3].map(|k| children[k]));
+                let block = Node { boxes, children }.to_quantised_bytes().expect("boxes within a quarter");
+                let Node { boxes, children: found } = Node::of_quantised(&block);
+                assert_eq!(found, children);
+                (block.to_vec(), boxes.to_vec())
+            }
+        };
+        for (child, found) in read.into_iter().map(bounds).enumerate() {
+            let given = bounds(boxes[child]);
             if child >= count {
                 assert_eq!((&found[..3], &found[3..]), (&[f32::INFINITY; 3][..], &[f32::NEG_INFINITY; 3][..]));
                 continue;
             }
             for place in 0..6 {
-                assert_eq!(found[place].to_bits(), bound(&block, child, place).to_bits(), "{block:02x?}");
+                let (documented, step) = bound(&block, nodes, child, place);
+                assert_eq!(found[place].to_bits(), documented.to_bits(), "{block:02x?}");
                 let outside = if place < 3 { given[place] - found[place] } else { found[place] - given[place] };
-                assert!(outside >= 0.0, "box {:?} becomes {:?}", boxes[child], node.boxes[child]);
+                assert!(outside >= 0.0, "box {:?} becomes {found:?}", boxes[child]);
                 // At most a step, and the rounding of the base and of the sum.
-                let step = 2.0_f64.powi(i32::from(block[12 + place % 3]) - 127 - 8);
                 let ulps = f64::from(found[place].abs().max(f32::MIN_POSITIVE)) * 2.0_f64.powi(-22);
                 assert!(f64::from(outside) <= step + ulps, "{outside:e}, step {step:e}: {boxes:?}, {block:02x?}");
             }
@@ -85,8 +104,8 @@ fn boxes_are_contained_and_tight() {
             let all = || (0..count).map(|child| bounds(boxes[child]));
             let least = all().map(|b| f64::from(b[axis])).fold(f64::INFINITY, f64::min);
             let greatest = all().map(|b| f64::from(b[axis + 3])).fold(f64::NEG_INFINITY, f64::max);
-            let span = 2.0_f64.powi(i32::from(block[12 + axis]) - 127);
-            let is_least = span <= 2.0_f64.powi(-126) || span <= 2.01 * (greatest - least);
+            let span = 255.0 * bound(&block, nodes, 0, axis).1;
+            let is_least = block[12 + axis] <= 1 || span <= 2.02 * (greatest - least);
             assert!(count == 0 || is_least, "{span:e} for {least:e} to {greatest:e}");
         }
     }
@@ -194,33 +213,39 @@ fn nodes_of_any_bytes_are_decoded_alike() {
 }
 
 /// The cycles from the last beat of a block to the next request of its ray, as `docs/reference/unit.md` has them: from
-/// a node, from a triangle, and from the last triangle to the hit.
+/// a node, and from the last triangle to the hit; with quantised nodes from a triangle to the next, too.
 #[test]
 fn a_fetch_takes_as_many_cycles_as_documented() {
-    let mut scene = Scene(Vec::new(), NODE);
-    let leaf = scene.leaf(&[at(3.0, 0), at(3.0, 1)]);
-    let root = scene.node([Aabb::new([-2.0; 3], [4.0; 3]); 4], [leaf, 0, 0, 0]);
-    let parameters = UnitParameters { step: step(8), ..Default::default() };
-    let mut unit = UnitModel::new(&Shape::default(), parameters);
-    let request = along_z(root);
-    let (mut events, mut due) = (Vec::new(), None);
-    for cycle in 0..200 {
-        let outputs = unit.outputs();
-        let asked = outputs.request;
-        if asked.is_some() || outputs.hit.is_some() {
-            events.push(cycle);
+    for (nodes, documented) in [(NodeKind::Quantised, &[23, 35, 36][..]), (NodeKind::Wide8, &[24, 37])] {
+        let mut scene = Scene(Vec::new(), nodes);
+        let leaf = scene.leaf(&[at(3.0, 0), at(3.0, 1)]);
+        let aabb = Aabb::new([-2.0; 3], [4.0; 3]);
+        let root = scene.node([aabb; 4], [leaf, 0, 0, 0]);
+        let bytes = nodes.block_bytes();
+        let step = StepParameters { node: nodes, ..StepParameters::default() };
+        let parameters = UnitParameters { step, memory_width: 8 * bytes, ..Default::default() };
+        let mut unit = UnitModel::new(&Shape::default(), parameters);
+        let (mut events, mut due) = (Vec::new(), None);
+        for cycle in 0..200 {
+            let outputs = unit.outputs();
+            let asked = outputs.request;
+            if asked.is_some() || outputs.hit.is_some() {
+                events.push(cycle);
+            }
+            let beat = due.take().map(|BlockRequest { address, tag }| {
+                let beat = &scene.0[address as usize..][..bytes as usize];
+                Response { tag, is_error: false, beat }
+            });
+            due = asked;
+            let ray = (cycle == 0).then_some((0, along_z(root)));
+            let inputs =
+                UnitInputs { ray, hit_ready: true, request_ready: true, response: beat, ..UnitInputs::default() };
+            unit.cycle(&inputs);
         }
-        let beat = due.take().map(|BlockRequest { address, tag }| {
-            let beat = &scene.0[address as usize..][..64];
-            Response { tag, is_error: false, beat }
-        });
-        due = asked;
-        let ray = (cycle == 0).then_some((0, request));
-        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat, ..UnitInputs::default() });
+        // The block arrives in the cycle after its request.
+        let gaps: Vec<i32> = events.windows(2).map(|pair| pair[1] - pair[0] - 1).collect();
+        assert_eq!((events[0], &gaps[..]), (23, documented), "{nodes}");
     }
-    // The block arrives in the cycle after its request.
-    let gaps: Vec<i32> = events.windows(2).map(|pair| pair[1] - pair[0] - 1).collect();
-    assert_eq!((events[0], &gaps[..]), (23, &[23, 35, 36][..]));
 }
 
 #[test]

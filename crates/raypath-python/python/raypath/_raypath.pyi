@@ -86,7 +86,7 @@ class _UnitParameters(TypedDict):
     id_width: int
     address_width: int
     divider_latency: int
-    node: Literal["wide4", "quantised"]
+    node: Literal["wide4", "quantised", "wide8"]
     instances: bool
     nested_instances: bool
     queries: Literal["none", "flags", "full"]
@@ -694,7 +694,7 @@ class UnitScene:
         data: the bytes, the first of which has the address 0; ``Unit.scene`` and ``raypath scene`` make them.
         root: the child word of the root, which ``raypath scene`` prints.
         within: the corners of the scene's box and its reach, for warnings of rays from further away.
-        node: the kind of its nodes, ``"wide4"`` or ``"quantised"``; a unit that reads others refuses it.
+        node: the kind of its nodes, ``"wide4"``, ``"quantised"`` or ``"wide8"``; a unit that reads others refuses it.
 
     Raises:
         OverflowError: a root of more than 32 bits."""
@@ -703,7 +703,7 @@ class UnitScene:
         data: bytes,
         root: int,
         within: tuple[Sequence[float], Sequence[float], float] | None = None,
-        node: Literal["wide4", "quantised"] | None = None,
+        node: Literal["wide4", "quantised", "wide8"] | None = None,
     ) -> UnitScene: ...
     @property
     def reach(self) -> float | None:
@@ -857,7 +857,7 @@ class Unit:
         id_width: int = ...,
         address_width: int = ...,
         divider_latency: int = ...,
-        node: Literal["wide4", "quantised"] = ...,
+        node: Literal["wide4", "quantised", "wide8"] = ...,
         instances: bool = ...,
         nested_instances: bool = ...,
         queries: Literal["none", "flags", "full"] = ...,

@@ -70,7 +70,7 @@ fn the_unit_is_written_listed_and_checked() {
 #[test]
 fn wrong_parameters_of_the_unit_are_named() {
     let wrong: [(&str, &[&str]); 20] = [
-        ("--unit --node wide", &["'wide'", "--node", "expected wide4 or quantised"]),
+        ("--unit --node wide", &["'wide'", "--node", "expected wide4, quantised or wide8"]),
         ("--unit --node quantised --memory-width 1024", &["memory width is 1024", "expected 128, 256 or 512 with"]),
         ("--node quantised", &["--node quantised", "expected --unit"]),
         ("--unit --contexts 7", &["'7'", "--contexts", "expected 8 to 256"]),
@@ -153,17 +153,15 @@ fn instances_on_the_command_line() {
     for words in ["instances; datapath", "hit_instance_o [31:0]", "| u_rays.u_object_constants ", "50 instances"] {
         assert!(said.contains(words), "no '{words}' in {said}");
     }
-    let everything = ["--node", "quantised", "--unit-features", "instances,nested-instances", "--queries", "full"];
+    let everything = ["--node", "wide8", "--unit-features", "instances,nested-instances", "--queries", "full"];
     let more = ["--edges", "once", "--rays", "100", "--out", &below("everything")];
     let said = page::succeeds(&[&["generate", "--unit"], &everything[..], &more[..]].concat());
     assert!(said.contains("50 instances") && said.contains("\n0 mismatches between netlist"), "{said}");
-    let paths: Vec<PathBuf> = std::fs::read_to_string(folder.path().join("unit/raypath_unit_axi.f"))
-        .expect("a list")
-        .lines()
-        .map(|name| folder.path().join("unit").join(name))
-        .collect();
+    let emitted = folder.path().join("everything");
+    let list = std::fs::read_to_string(emitted.join("raypath_unit_axi.f")).expect("a list");
+    let paths: Vec<PathBuf> = list.lines().map(|name| emitted.join(name)).collect();
     lint_verilator(&paths, "raypath_unit_axi", &[]).expect("no report of Verilator");
-    lint_yosys(&folder.path().join("unit/raypath_unit.sv"), "raypath_unit").expect("no report of Yosys");
+    lint_yosys(&emitted.join("raypath_unit.sv"), "raypath_unit").expect("no report of Yosys");
     lint_slang(&paths).expect("no report of slang");
 
     let places = "1 0 0 0 0 1 0 0 0 0 1 0\n-1 0 0 40 0 1 0 0 0 0 1 0\n";

@@ -15,7 +15,7 @@ pub struct Arguments {
     /// The mesh as .obj, .gltf, .glb, .ply or .stl [default: a built-in scene]
     mesh: Option<PathBuf>,
     /// The nodes: boxes in binary32, or of 8 bits a bound
-    #[arg(long, default_value = "wide4", value_name = "wide4|quantised")]
+    #[arg(long, default_value = "wide4", value_name = "wide4|quantised|wide8")]
     node: NodeKind,
     /// Place the mesh in the scene as this file says: 12 numbers a line, of an affine matrix from the mesh to the
     /// scene, row by row. The unit needs instances (generate --unit --unit-features instances)
