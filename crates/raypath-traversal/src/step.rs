@@ -71,9 +71,18 @@ impl StepParameters {
         self.node != NodeKind::Wide4
     }
 
+    /// What tells the jobs of a block apart, with its width: of quantised nodes, instances alone have two.
+    pub(crate) fn of_job(self) -> &'static [(&'static str, u32)] {
+        match self.node {
+            NodeKind::Wide4 | NodeKind::Wide8 => &[("place", 2), ("is_last", 1)],
+            NodeKind::Quantised if self.features.instances => &[("is_last", 1)],
+            NodeKind::Quantised => &[],
+        }
+    }
+
     /// Whether a block can have several jobs.
-    pub(crate) fn has_places(self) -> bool {
-        self.node != NodeKind::Quantised || self.features.instances
+    pub(crate) fn has_several_jobs(self) -> bool {
+        !self.of_job().is_empty()
     }
 }
 
@@ -198,7 +207,7 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     let goes_on = is_done & !ends;
     // After a hit that was accepted, no other of its block is closer.
     let repeats = goes_on & has_verdict & !block.commits & !state.leaf_is_box & answer.closest.has_more;
-    let repeats = if features.has_candidates() && parameters.node.triangles_per_block() > 1 { repeats } else { no };
+    let repeats = if features.has_candidates() { repeats } else { no };
     let has_next = c.word(parameters.node.triangles_per_block()).less(state.leaf_left);
     let leaf_moves = goes_on & !repeats & has_next;
     // Where the ray ends, it does not matter.

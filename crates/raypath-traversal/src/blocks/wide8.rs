@@ -171,7 +171,7 @@ pub fn child<C: WordCircuit>(c: C, words: [Word<C, 32>; 4], number: Word<C, 3>) 
     let is_leaf = byte.part::<5, 1>().is(1) & (!byte.part::<6, 1>().is(0) | byte.part::<7, 1>().is(0));
     let kind = own.select(c.word(NODE_KIND), is_leaf.select(of_leaf, of_other));
     let kind = base.part::<25, 7>().is(0).select(kind, c.word(INVALID));
-    joined(base.plus(rank.widened()).part::<0, 25>(), kind)
+    joined(base.part::<0, 25>().plus(rank.widened()), kind)
 }
 
 /// As [`child`], of a block and any number of children of it.

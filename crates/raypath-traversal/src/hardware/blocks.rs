@@ -102,9 +102,16 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         geometry.into_iter().for_each(|wire| m.output("geometry_o", wire));
     }
     if beats == 1 {
-        let of_jobs = of_jobs.iter().max().map_or(0, |word| word + 1);
-        let last = (child_word + 4).max(index_word + nodes.triangles_per_block() as usize).max(of_jobs);
-        m.unused("unused_data", &words[last..]);
+        let per_block = nodes.triangles_per_block() as usize;
+        let geometry = step.features.has("geometry").then_some(nodes.geometry_word());
+        let is_read = |word: &usize| {
+            of_jobs.contains(word)
+                || (child_word..child_word + 4).contains(word)
+                || (index_word..index_word + per_block).contains(word)
+                || geometry == Some(*word)
+        };
+        let unread: Vec<Wire<'_>> = (0..words.len()).filter(|word| !is_read(word)).map(data).collect();
+        m.unused("unused_data", &unread);
     }
 
     m.output("arrived_o", arrived);

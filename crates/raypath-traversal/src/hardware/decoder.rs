@@ -4,6 +4,7 @@ use super::blocks::{MATRIX_WORDS, job_words};
 use super::connect::hold;
 use super::parameters::UnitParameters;
 use super::queue::bits;
+use crate::StepParameters;
 use crate::blocks::quantised::{self, BOUNDS, FIRST_BOUND};
 use crate::blocks::{BOX_WORDS, NodeKind, VERTEX_WORDS, wide8};
 use raypath_float::{Format, add, decode, encode};
@@ -15,7 +16,7 @@ pub const LATENCY: u32 = 2;
 
 /// The module `raypath_unit_decoder`, between the memory of the blocks and the datapath.
 ///
-/// A job, `context_i` and, where blocks have several, `place_i` and `is_last_i`, enters where `valid_i` and `ready_o`
+/// A job, `context_i` and, where blocks have several, `is_last_i` and, of blocks of 128 bytes, `place_i`, enters where `valid_i` and `ready_o`
 /// are 1. It is at the outputs two cycles later, with `valid_o`, until `ready_i` is 1: with the bounds of four boxes,
 /// `bound_…_o`, and with the words of a triangle or of an instance, `word_…_o`. Where `read_o` is 1, the job of
 /// `read_context_o` is at the outputs in the next cycle, so that what is kept for it can be read.
@@ -29,8 +30,10 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
     m.doc("The boxes of compressed nodes: one addition for each bound. Other blocks pass by.");
     let valid = m.input("valid_i", 1);
     let context = m.input("context_i", bits(contexts));
-    let place = step.has_places().then(|| (m.input("place_i", 2), m.input("is_last_i", 1)));
-    let words: Vec<Wire<'_>> = (0..job_words(step).len()).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
+    let mut of_job: Vec<(&str, Wire<'_>)> =
+        step.of_job().iter().map(|(name, width)| (*name, m.input(&format!("{name}_i"), *width))).collect();
+    let word = |k: usize| if reads(step, k) { m.input(&format!("word_{k}_i"), 32) } else { m.constant(32, 0) };
+    let words: Vec<Wire<'_>> = (0..job_words(step).len()).map(word).collect();
     let exists: Vec<Wire<'_>> = (0..step.node.children()).map(|k| m.input(&format!("exists_{k}_i"), 1)).collect();
     let ready = m.input("ready_i", 1);
     let has_sums = m.register("has_sums_q", 1).reset_to(0);
@@ -55,7 +58,7 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
         m.unused(&format!("unused_{name}"), &[power.top(), power.lower(FRACTION)]);
         power.bits(FRACTION + EXPONENT - 1, FRACTION)
     });
-    let (addends, passed, place) = match step.node {
+    let (addends, passed) = match step.node {
         NodeKind::Wide8 => {
             let triangle: Vec<Wire<'_>> = (0..VERTEX_WORDS).map(|k| m.input(&format!("triangle_{k}_i"), 32)).collect();
             let matrix = |k: usize| words[step.node.matrix_word(k)];
@@ -66,7 +69,13 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
                     .collect(),
             };
             let (is_node, window) = (m.input("is_node_i", 1), m.input("window_i", 2));
-            let is_upper = place.map_or(is_node, |(_, is_last)| is_last);
+            let is_upper = of_job.last().map_or(is_node, |(_, is_last)| *is_last);
+            if let [(_, place), ..] = &mut of_job[..] {
+                *place = is_node.mux(window, *place);
+            }
+            if !step.features.instances {
+                m.unused("unused_exponents", &[words[3].upper(8)]);
+            }
             let addend = |bound: usize| {
                 let (axis, is_max) = quantised::place(bound);
                 let child = bound / BOX_WORDS;
@@ -75,10 +84,9 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
                 let (q, exists) = (is_upper.mux(upper.0, lower.0), is_upper.mux(upper.1, lower.1));
                 held(advance, &format!("addend_{bound}"), product(q, exponent[axis], exists, is_max))
             };
-            let place = place.map(|(place, is_last)| (is_node.mux(window, place), is_last));
-            ((0..BOUNDS).map(addend).collect(), passed, place)
+            ((0..BOUNDS).map(addend).collect(), passed)
         }
-        NodeKind::Wide4 | NodeKind::Quantised => (Vec::new(), words, place),
+        NodeKind::Wide4 | NodeKind::Quantised => (Vec::new(), words),
     };
     let exponent: [Wire<'_>; 3] = match step.node {
         NodeKind::Wide8 => exponent,
@@ -86,8 +94,9 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
     };
     let words: Vec<Wire<'_>> =
         (0..).zip(passed).map(|(k, word): (u32, _)| held(advance, &format!("word_{k}"), word)).collect();
-    let place = place
-        .map(|(place, is_last)| (held(advance, "operands_place", place), held(advance, "operands_is_last", is_last)));
+    for (name, wire) in &mut of_job {
+        *wire = held(advance, &format!("operands_{name}"), *wire);
+    }
 
     m.section("The sums");
     has_sums.next_when(advance, has_operands.wire());
@@ -129,11 +138,16 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
     m.output("context_o", held(advance, "context", operands_context));
     sums.iter().enumerate().for_each(bound);
     passed.iter().enumerate().for_each(|(k, word)| m.output(&format!("word_{k}_o"), *word));
-    if let Some((place, is_last)) = place {
-        m.output("place_o", held(advance, "place", place));
-        m.output("is_last_o", held(advance, "is_last", is_last));
+    for (name, wire) in of_job {
+        m.output(&format!("{name}_o"), held(advance, name, wire));
     }
     builder.finish()
+}
+
+/// Whether the decoder reads a word of a job: of eight children, those with bases, exponents, bounds and a matrix.
+pub fn reads(StepParameters { node, .. }: StepParameters, number: usize) -> bool {
+    let first = wide8::bound_byte(0, 0, 0) / 4;
+    node != NodeKind::Wide8 || number < node.child_word() || (first..first + 2 * BOX_WORDS).contains(&number)
 }
 
 /// A register of a stage.

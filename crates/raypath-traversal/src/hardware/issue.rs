@@ -27,7 +27,7 @@ pub fn issue(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<Ar
     let width = bits(contexts);
     let [arrived, failed] = ["arrived_i", "arrived_failed_i"].map(|name| m.input(name, 1));
     let arrived_context = m.input("arrived_context_i", width);
-    let block_ports = step.has_places().then(|| {
+    let block_ports = step.has_several_jobs().then(|| {
         let count = m.input("count_i", 2);
         let words = if nodes.triangles_per_block() > 1 { 0..JOB_WORDS } else { 0..0 };
         let words: Vec<Wire<'_>> = words.map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
@@ -98,8 +98,8 @@ pub fn issue(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<Ar
             m.unused("unused_is_node", &[is_node]);
         } else {
             m.output("is_node_o", is_node);
+            m.output("place_o", place);
         }
-        m.output("place_o", place);
         m.output("is_last_o", is_last);
         triangle.iter().enumerate().for_each(|(k, wire)| m.output(&format!("triangle_{k}_o"), *wire));
     }

@@ -4,7 +4,7 @@ use super::blocks::blocks;
 use super::candidates::{candidates, is_of_candidate};
 use super::channels::{Backwards, Ports};
 use super::connect::{Inputs, Named, Outputs, keep, named, prefixed};
-use super::decoder::decoder;
+use super::decoder::{decoder, reads};
 use super::distance::distance;
 use super::hits::{hits, is_shown as is_of_hit};
 use super::issue::issue;
@@ -52,7 +52,7 @@ impl UnitNetlist {
         parameters.check()?;
         check(config)?;
         // Besides the context: the place in the block, and whether it is the last.
-        let tag = bits(parameters.contexts) + if parameters.step.has_places() { 3 } else { 0 };
+        let tag = bits(parameters.contexts) + parameters.step.of_job().iter().map(|(_, width)| width).sum::<u32>();
         let UnitFeatures { barycentrics, edges, .. } = parameters.step.features;
         let features = Features {
             tag,
@@ -229,7 +229,7 @@ impl<'m> Top<'m> {
         if !step.has_decoder() {
             return vec![fetched[0].clone()];
         }
-        if !step.has_places() {
+        if !step.has_several_jobs() {
             return Vec::new();
         }
         let mut words = vec![named("count", back.fetch_count.wire())];
@@ -251,7 +251,7 @@ impl<'m> Top<'m> {
         fetched: &Named<'m>,
     ) -> Result<Outputs<'m>, UnitError> {
         let (back, step) = (&self.back, self.parameters.step);
-        let count = step.has_places().then(|| fetched[0].clone());
+        let count = step.has_several_jobs().then(|| fetched[0].clone());
         let words = if step.node.triangles_per_block() > 1 { &words[..] } else { &[] };
         let ready = back.decoder.map_or(back.job_ready, |[.., ready]| ready);
         let issue = Inputs::default()
@@ -277,7 +277,6 @@ impl<'m> Top<'m> {
     ) -> Result<Option<Outputs<'m>>, UnitError> {
         let Some([decodes, context, ready]) = self.back.decoder else { return Ok(None) };
         let step = self.parameters.step;
-        let places: &[&str] = if step.has_places() { &["place", "is_last"] } else { &[] };
         let of_eight: Named<'m> = match step.node {
             NodeKind::Wide8 => {
                 let is_node = [named("is_node", issue.port("is_node"))].into_iter();
@@ -291,8 +290,8 @@ impl<'m> Top<'m> {
         let decoder = Inputs::default()
             .port("valid", issue.port("offer"))
             .port("context", issue.port("context"))
-            .ports(places.iter().map(|name| named(name, issue.port(name))))
-            .ports(words)
+            .ports(step.of_job().iter().map(|(name, _)| named(name, issue.port(name))))
+            .ports(words.into_iter().enumerate().filter(|(number, _)| reads(step, *number)).map(|(_, word)| word))
             .ports(prefixed("exists", blocks.under("exists")))
             .ports(of_eight)
             .port("ready", self.back.job_ready.wire())
@@ -313,8 +312,8 @@ impl<'m> Top<'m> {
             None => (jobs.issue.port("offer"), jobs.issue.port("is_node")),
             Some(decoder) => (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node")),
         };
-        let tag = if self.parameters.step.has_places() { &["context", "place", "is_last"][..] } else { &["context"] };
-        let tag = m.concat(&tag.iter().map(|name| jobs.of_block().port(name)).collect::<Vec<_>>());
+        let tag = std::iter::once("context").chain(self.parameters.step.of_job().iter().map(|(name, _)| *name));
+        let tag = m.concat(&tag.map(|name| jobs.of_block().port(name)).collect::<Vec<_>>());
         let ready = m.forward("outcome_ready", 1);
         let ports = Inputs::default()
             .port("input_valid", offer)

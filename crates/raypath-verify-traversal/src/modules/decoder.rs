@@ -6,7 +6,8 @@ use std::collections::VecDeque;
 
 /// Compares the bounds and the words of jobs that enter in every cycle. When they move is proved otherwise.
 pub fn run(bench: &mut Bench, nodes: NodeKind) -> Result<(), String> {
-    let [valid, ready, word, exists] = bench.inputs(["valid_i", "ready_i", "word_0_i", "exists_0_i"]);
+    let [valid, ready, exists] = bench.inputs(["valid_i", "ready_i", "exists_0_i"]);
+    let of_block: Vec<Option<usize>> = (0..20).map(|k| bench.input(&format!("word_{k}_i"))).collect();
     let [place, is_last, triangle, window] = bench.inputs(["place_i", "is_last_i", "triangle_0_i", "window_i"]);
     let (is_node, is_instance) = (bench.input("is_node_i"), bench.input("is_instance_i"));
     let [takes, is_shown, bound, passed] = bench.outputs(["ready_o", "valid_o", "bound_0_o", "word_0_o"]);
@@ -16,7 +17,7 @@ pub fn run(bench: &mut Bench, nodes: NodeKind) -> Result<(), String> {
     let mut inside: VecDeque<Vec<(usize, u64)>> = VecDeque::new();
     for cycle in 0..CYCLES {
         let mut words = bench.words();
-        (0..3).for_each(|axis| words[word + axis] = number(&mut bench.random).to_bits().into());
+        of_block[..3].iter().flatten().for_each(|&base| words[base] = number(&mut bench.random).to_bits().into());
         (words[valid], words[ready]) = (1, 1);
         // Only an instance, which is no node, has a matrix.
         is_node.zip(is_instance).iter().for_each(|(node, instance)| words[*instance] &= !words[*node]);
@@ -31,18 +32,19 @@ pub fn run(bench: &mut Bench, nodes: NodeKind) -> Result<(), String> {
         }
         if bench.get(takes) == 1 {
             let one = |input: Option<usize>| input.is_some_and(|input| words[input] == 1);
+            let block: Vec<u64> = of_block.iter().map(|input| input.map_or(0, |input| words[input])).collect();
             let has_bounds = nodes != NodeKind::Wide8 || one(is_node);
             let is_upper = nodes == NodeKind::Wide8 && words[is_last] == 1;
             let mut job: Vec<(usize, u64)> = Vec::new();
             if has_bounds {
-                let child = |k: usize| bounds(&words[word..], nodes, k, words[exists + k] == 1);
+                let child = |k: usize| bounds(&block, nodes, k, words[exists + k] == 1);
                 let children = if is_upper { 4..8 } else { 0..4 };
                 job.extend((bound..).zip(children.flat_map(child)));
             }
-            let of_block = |k: usize| words[word + if nodes == NodeKind::Wide8 { nodes.matrix_word(k) } else { k }];
+            let matrix = |k: usize| block[if nodes == NodeKind::Wide8 { nodes.matrix_word(k) } else { k }];
             match nodes {
                 NodeKind::Wide8 if !one(is_instance) => job.extend((0..9).map(|k| (passed + k, words[triangle + k]))),
-                _ => job.extend((0..if has_matrix { 12 } else { 9 }).map(|k| (passed + k, of_block(k)))),
+                _ => job.extend((0..if has_matrix { 12 } else { 9 }).map(|k| (passed + k, matrix(k)))),
             }
             if let Some((place_output, is_last_output)) = places {
                 let shown = if one(is_node) { window } else { place };
