@@ -353,35 +353,33 @@ impl Builder {
 
     fn expect_port(&self, instance: &str, port: &str, found: u32, expected: u32) {
         if found != expected {
-            let module = self.state.borrow().module.name.clone();
-            self.fail(Error::Width {
-                module,
-                signal: format!("{instance}.{port}"),
-                problem: format!("connected to {found} bits, expected {expected}"),
-            });
+            let problem = format!("connected to {found} bits, expected {expected}");
+            self.fail_width_of(format!("{instance}.{port}"), problem);
         }
     }
 
     fn fail_width(&self, id: SignalId, problem: String) {
-        let (module, signal) = {
-            let state = self.state.borrow();
-            (state.module.name.clone(), describe(&state.module, id))
-        };
-        self.fail(Error::Width { module, signal, problem });
+        let signal = describe(&self.state.borrow().module, id);
+        self.fail_width_of(signal, problem);
+    }
+
+    fn fail_width_of(&self, signal: String, problem: String) {
+        self.fail(|module| Error::Width { module, signal, problem });
     }
 
     fn fail_name(&self, name: &str, problem: &str) {
-        let module = self.state.borrow().module.name.clone();
-        self.fail(Error::Name { module, name: name.to_string(), problem: problem.to_string() });
+        self.fail(|module| Error::Name { module, name: name.to_string(), problem: problem.to_string() });
     }
 
     fn fail_drive(&self, signal: &str, problem: &str) {
-        let module = self.state.borrow().module.name.clone();
-        self.fail(Error::Drive { module, signal: signal.to_string(), problem: problem.to_string() });
+        self.fail(|module| Error::Drive { module, signal: signal.to_string(), problem: problem.to_string() });
     }
 
-    fn fail(&self, error: Error) {
-        self.state.borrow_mut().error.get_or_insert(error);
+    /// Keeps the error in the module of this name, if it is the first.
+    fn fail(&self, error: impl FnOnce(String) -> Error) {
+        let mut state = self.state.borrow_mut();
+        let error = error(state.module.name.clone());
+        state.error.get_or_insert(error);
     }
 }
 

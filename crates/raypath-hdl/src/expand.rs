@@ -2,8 +2,7 @@
 
 use crate::Error;
 use crate::expose::Open;
-use crate::netlist::{Driver, Item, MemoryInfo, Module, RegisterInfo, SignalId};
-use std::collections::HashMap;
+use crate::netlist::{Driver, Item, MemoryInfo, Module, RegisterInfo, SignalId, remade};
 use std::sync::Arc;
 
 /// The most words of a memory that [`expand_memories`] accepts.
@@ -16,22 +15,11 @@ pub const MAX_EXPANDED_WORDS: u32 = 64;
 /// # Errors
 /// A memory of more than [`MAX_EXPANDED_WORDS`] words.
 pub fn expand_memories(module: &Arc<Module>) -> Result<Arc<Module>, Error> {
-    Expanded::default().expand(module)
-}
-
-/// Finished modules. Instances of the same module keep sharing it.
-#[derive(Default)]
-struct Expanded(HashMap<*const Module, Arc<Module>>);
-
-impl Expanded {
-    fn expand(&mut self, module: &Arc<Module>) -> Result<Arc<Module>, Error> {
+    remade(module, |module, copy| {
         if module.memory_bits() == 0 {
             return Ok(module.clone());
         }
-        if let Some(done) = self.0.get(&Arc::as_ptr(module)) {
-            return Ok(done.clone());
-        }
-        let mut open = Open::new(module);
+        let mut open = Open::new(copy);
         let items = std::mem::take(&mut open.module.items);
         let memories = std::mem::take(&mut open.module.memories);
         for item in items {
@@ -40,13 +28,8 @@ impl Expanded {
                 other => open.module.items.push(other),
             }
         }
-        for index in 0..open.module.instances.len() {
-            open.module.instances[index].module = self.expand(&module.instances[index].module)?;
-        }
-        let result = Arc::new(open.module);
-        self.0.insert(Arc::as_ptr(module), result.clone());
-        Ok(result)
-    }
+        Ok(Arc::new(open.module))
+    })
 }
 
 impl Open {

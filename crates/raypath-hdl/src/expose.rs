@@ -1,8 +1,9 @@
 //! Modules without state, for proofs about next values of registers.
 
-use crate::netlist::{Driver, Instance, Item, Module, Port, Signal, SignalId};
+use crate::netlist::{Driver, Item, Module, Port, Signal, SignalId, changed, remade};
 use crate::text::Text;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// `module` with every register, in it and inside its instances, replaced by ports. The register `x_q` becomes an input
@@ -15,57 +16,35 @@ use std::sync::Arc;
 /// `stack_write_enable`, `stack_write_address`, `stack_write_node`, `stack_read_enable` and `stack_read_address` show
 /// what it would do at the next edge. What an enable of 0 makes irrelevant is shown as 0.
 pub fn expose_registers(module: &Arc<Module>) -> Arc<Module> {
-    Exposed { with_registers: true, done: HashMap::new() }.expose(module)
+    exposed(module, true)
 }
 
 /// `module` with enables instead of clock gates in its text and in that of its instances: for tools with one clock.
 pub fn with_enables(module: &Arc<Module>) -> Arc<Module> {
-    fn of(module: &Arc<Module>, known: &mut HashMap<*const Module, Arc<Module>>) -> Arc<Module> {
-        if let Some(made) = known.get(&Arc::as_ptr(module)) {
-            return made.clone();
-        }
-        let mut open = Module::clone(module);
-        open.registers.iter_mut().for_each(|register| register.gated = false);
-        open.instances.iter_mut().for_each(|instance| instance.module = of(&instance.module, known));
-        known.entry(Arc::as_ptr(module)).or_insert(Arc::new(open)).clone()
-    }
-    of(module, &mut HashMap::new())
+    changed(module, |module| module.registers.iter_mut().for_each(|register| register.gated = false))
 }
 
 /// `module` with every memory, in it and inside its instances, replaced by ports, as for [`expose_registers`], but
 /// without the depth, and with the signals at the memory as they are. Registers stay. It shows what is around memories.
 pub fn expose_memories(module: &Arc<Module>) -> Arc<Module> {
-    Exposed { with_registers: false, done: HashMap::new() }.expose(module)
+    exposed(module, false)
 }
 
-struct Exposed {
-    with_registers: bool,
-    /// Finished modules. Instances of the same module keep sharing it.
-    done: HashMap<*const Module, Arc<Module>>,
-}
-
-impl Exposed {
-    fn expose(&mut self, module: &Arc<Module>) -> Arc<Module> {
-        if !self.with_registers && module.memory_bits() == 0 {
-            return module.clone();
+fn exposed(top: &Arc<Module>, with_registers: bool) -> Arc<Module> {
+    let Ok(exposed) = remade(top, |module, copy| {
+        if !with_registers && module.memory_bits() == 0 {
+            return Ok(module.clone());
         }
-        if let Some(done) = self.done.get(&Arc::as_ptr(module)) {
-            return done.clone();
-        }
-        let mut open = Open::new(module);
-        if self.with_registers {
+        let mut open = Open::new(copy);
+        if with_registers {
             open.module.text = Text::default();
             open.registers();
         }
-        open.memories(self.with_registers);
-        for index in 0..open.module.instances.len() {
-            let inside = self.expose(&open.module.instances[index].module);
-            open.instance(index, inside);
-        }
-        let result = Arc::new(open.module);
-        self.done.insert(Arc::as_ptr(module), result.clone());
-        result
-    }
+        open.memories(with_registers);
+        (0..open.module.instances.len()).for_each(|index| open.connect_new_ports(index));
+        Ok::<_, Infallible>(Arc::new(open.module))
+    });
+    exposed
 }
 
 /// A module that is being changed.
@@ -75,9 +54,9 @@ pub(crate) struct Open {
 }
 
 impl Open {
-    /// Begins with a copy of `module`.
-    pub fn new(module: &Module) -> Self {
-        Self { module: module.clone(), taken: names(module) }
+    /// Begins with this module.
+    pub fn new(module: Module) -> Self {
+        Self { taken: names(&module), module }
     }
 
     fn registers(&mut self) {
@@ -135,11 +114,11 @@ impl Open {
         }
     }
 
-    /// Replaces the instance's module by the opened one, and connects its new ports to ports of this module.
-    fn instance(&mut self, index: usize, inside: Arc<Module>) {
-        let Instance { inputs, outputs, .. } = &self.module.instances[index];
-        let (inputs, outputs) = (inputs.len(), outputs.len());
-        let stem = self.module.instances[index].stem().to_string();
+    /// Connects the new ports of the instance's module, which was opened, to ports of this module.
+    fn connect_new_ports(&mut self, index: usize) {
+        let instance = &self.module.instances[index];
+        let (inputs, outputs, inside) = (instance.inputs.len(), instance.outputs.len(), instance.module.clone());
+        let stem = instance.stem().to_string();
         for port in &inside.inputs[inputs..] {
             let name = self.fresh(format!("{stem}_{}", port.name));
             let signal = self.add(inside.signal(port.signal).width, Driver::Input);
@@ -155,7 +134,6 @@ impl Open {
             self.module.outputs.push(Port { name, signal });
             self.module.instances[index].outputs.push(signal);
         }
-        self.module.instances[index].module = inside;
     }
 
     /// Adds a nameless signal.

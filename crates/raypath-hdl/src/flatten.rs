@@ -177,15 +177,8 @@ impl Flat {
         for (_, call) in &mut self.calls {
             call.inputs.iter_mut().for_each(place);
         }
-        for register in &mut self.registers {
-            place(&mut register.signal);
-            place(&mut register.next);
-            register.enable.iter_mut().for_each(place);
-        }
-        for memory in &mut self.memories {
-            memory.inputs_mut().into_iter().for_each(place);
-            memory.columns.iter_mut().for_each(|column| place(&mut column.read));
-        }
+        self.registers.iter_mut().flat_map(RegisterInfo::signals_mut).for_each(place);
+        self.memories.iter_mut().flat_map(MemoryInfo::signals_mut).for_each(place);
         let mut slots = HashMap::new();
         let observed = &mut self.observed;
         let mut observe = |id: SignalId| {

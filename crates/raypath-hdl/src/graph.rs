@@ -158,17 +158,13 @@ impl Graph {
                 self.nodes[port.signal.index()].operation = Operation::Input(position);
             }
         }
-        self.registers.extend(module.registers.iter().map(|register| RegisterInfo {
-            signal: shift(register.signal),
-            next: shift(register.next),
-            enable: register.enable.map(shift),
-            reset: register.reset,
-            gated: register.gated,
+        self.registers.extend(module.registers.iter().cloned().map(|mut register| {
+            register.signals_mut().for_each(|id| *id = shift(*id));
+            register
         }));
         self.registers.extend(columns);
         self.memories.extend(module.memories.iter().cloned().map(|mut memory| {
-            memory.inputs_mut().into_iter().for_each(|id| *id = shift(*id));
-            memory.columns.iter_mut().for_each(|column| column.read = shift(column.read));
+            memory.signals_mut().for_each(|id| *id = shift(*id));
             memory.name = format!("{prefix}{}", memory.name);
             memory
         }));

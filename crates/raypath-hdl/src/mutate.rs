@@ -9,9 +9,7 @@ mod well_formed;
 
 use crate::Error;
 use crate::builder::describe;
-use crate::netlist::{Driver, Module, SignalId};
-use crate::text::Text;
-use std::collections::HashMap;
+use crate::netlist::{Driver, Module, SignalId, remade};
 use std::fmt;
 use std::sync::Arc;
 
@@ -26,21 +24,16 @@ pub struct Fault {
     change: Change,
 }
 
-/// The change. A name in `operand` or `with` is that of a signal of the module without the fault.
+/// The change. Signals are those of the module without the fault.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Change {
     /// The signal has another driver, of the same width.
     Driver { signal: SignalId, was: Driver, becomes: Driver, how: &'static str },
     /// The signal has the complement of its value.
     Inverted { signal: SignalId },
-    /// The signal reads the complement of an operand.
-    OperandInverted { signal: SignalId, operand: SignalId },
-    /// The signal reads zero instead of an operand.
-    OperandZero { signal: SignalId, operand: SignalId },
-    /// The signal reads ones instead of an operand.
-    OperandOnes { signal: SignalId, operand: SignalId },
-    /// The signal reads another signal of the same width instead of an operand.
-    OperandOther { signal: SignalId, operand: SignalId, with: SignalId },
+    /// The signal reads something else instead of an operand: its complement, zero, ones, or another signal of the same
+    /// width.
+    Operand { signal: SignalId, operand: SignalId, becomes: Driver },
     /// The signal, a shift, is shifted by one more.
     ShiftedMore { signal: SignalId },
     /// The register takes its next value in every cycle.
@@ -51,10 +44,8 @@ pub(crate) enum Change {
     Reset { register: usize, was: u64, becomes: u64 },
     /// The register, which has a reset, keeps its value in it.
     NoReset { register: usize },
-    /// An instance reads zero at an input port.
-    PortZero { instance: usize, input: usize },
-    /// An instance reads ones at an input port.
-    PortOnes { instance: usize, input: usize },
+    /// An instance reads zero or ones at an input port.
+    PortConstant { instance: usize, input: usize, value: u64 },
     /// Two inputs of an instance are exchanged.
     PortsExchanged { instance: usize, inputs: [usize; 2] },
     /// Two outputs of an instance are exchanged.
@@ -129,15 +120,17 @@ impl Change {
         match self {
             Self::Driver { how, .. } => how.to_string(),
             Self::Inverted { .. } => "inverted".to_string(),
-            Self::OperandInverted { operand, .. } => format!("{} inverted", describe(module, *operand)),
-            Self::OperandZero { operand, .. } => format!("{} replaced by zero", describe(module, *operand)),
-            Self::OperandOnes { operand, .. } => format!("{} stuck at 1", describe(module, *operand)),
-            Self::OperandOther { operand, with, .. } => {
-                format!("reads {} instead of {}", describe(module, *with), describe(module, *operand))
+            Self::Operand { operand, becomes, .. } => {
+                let operand = describe(module, *operand);
+                match becomes {
+                    Driver::Not(_) => format!("{operand} inverted"),
+                    Driver::Constant(0) => format!("{operand} replaced by zero"),
+                    Driver::Alias(with) => format!("reads {} instead of {operand}", describe(module, *with)),
+                    _ => format!("{operand} stuck at 1"),
+                }
             }
             Self::ShiftedMore { .. } => "shifts by one more".to_string(),
             Self::NoReset { .. } => "does not reset".to_string(),
-            Self::PortOnes { .. } => "stuck at 1".to_string(),
             Self::PortsExchanged { instance, inputs: [_, other] } => {
                 format!("exchanged with {}", module.instances[*instance].module.inputs[*other].name)
             }
@@ -147,9 +140,9 @@ impl Change {
             Self::AlwaysLoads { .. } => "loads in every cycle".to_string(),
             Self::NeverLoads { .. } => "never loads".to_string(),
             Self::Reset { was, becomes, .. } => format!("resets to {becomes} instead of {was}"),
-            Self::PortZero { .. } | Self::MemoryMasked { mask: 0, .. } => "replaced by zero".to_string(),
+            Self::PortConstant { value: 0, .. } | Self::MemoryMasked { mask: 0, .. } => "replaced by zero".to_string(),
             Self::MemoryMasked { mask, .. } => format!("bit {} stuck at 0", mask.trailing_ones()),
-            Self::MemoryAlways { .. } => "stuck at 1".to_string(),
+            Self::PortConstant { .. } | Self::MemoryAlways { .. } => "stuck at 1".to_string(),
             Self::MemoryExchanged { memory, inputs: [_, other] } => {
                 format!("exchanged with {}", module.memories[*memory].input_name(*other))
             }
@@ -162,59 +155,21 @@ impl Change {
 /// # Errors
 /// Ports that are not those of the module that is replaced, or no module of this name.
 pub fn replace(top: &Arc<Module>, new: &Arc<Module>) -> Result<Arc<Module>, Error> {
-    let mut replacement = Replacement { new, done: HashMap::new(), is_found: false };
-    let replaced = replacement.visit(top)?;
-    if replacement.is_found {
+    let mut is_found = false;
+    let replaced = remade(top, |old, module| {
+        if old.name() == new.name() {
+            is_found = true;
+            return same_ports(old, new).map(|()| new.clone());
+        }
+        let mut instances = old.instances.iter().zip(&module.instances);
+        let is_same = instances.all(|(before, after)| Arc::ptr_eq(&before.module, &after.module));
+        Ok(if is_same { old.clone() } else { Arc::new(module) })
+    })?;
+    if is_found {
         Ok(replaced)
     } else {
         let problem = "is the name of no module in it".to_string();
         Err(Error::Name { module: top.name().to_string(), name: new.name().to_string(), problem })
-    }
-}
-
-/// `top` with texts that are those of the netlist alone, in all its modules: no structures, no package, no banks. A
-/// module with a fault has such a text, and other modules must instantiate the same ones as it does.
-pub fn without_text(top: &Arc<Module>) -> Arc<Module> {
-    fn of(module: &Arc<Module>, known: &mut HashMap<*const Module, Arc<Module>>) -> Arc<Module> {
-        if let Some(made) = known.get(&Arc::as_ptr(module)) {
-            return made.clone();
-        }
-        let mut plain = Module { text: Text::default(), ..Module::clone(module) };
-        plain.instances.iter_mut().for_each(|instance| instance.module = of(&instance.module, known));
-        known.entry(Arc::as_ptr(module)).or_insert(Arc::new(plain)).clone()
-    }
-    of(top, &mut HashMap::new())
-}
-
-struct Replacement<'n> {
-    new: &'n Arc<Module>,
-    done: HashMap<*const Module, Arc<Module>>,
-    is_found: bool,
-}
-
-impl Replacement<'_> {
-    fn visit(&mut self, module: &Arc<Module>) -> Result<Arc<Module>, Error> {
-        if module.name() == self.new.name() {
-            self.is_found = true;
-            return same_ports(module, self.new).map(|()| self.new.clone());
-        }
-        if let Some(done) = self.done.get(&Arc::as_ptr(module)) {
-            return Ok(done.clone());
-        }
-        let inside = module.instances().iter().map(|instance| self.visit(&instance.module));
-        let inside = inside.collect::<Result<Vec<_>, Error>>()?;
-        let is_same = module.instances().iter().zip(&inside).all(|(instance, new)| Arc::ptr_eq(&instance.module, new));
-        let replaced = if is_same {
-            module.clone()
-        } else {
-            let mut changed = Module::clone(module);
-            for (instance, new) in changed.instances.iter_mut().zip(inside) {
-                instance.module = new;
-            }
-            Arc::new(changed)
-        };
-        self.done.insert(Arc::as_ptr(module), replaced.clone());
-        Ok(replaced)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::formula::Formula;
 use crate::text::Text;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// A signal of one module, by position in [`Module::signals`].
@@ -281,9 +282,23 @@ impl Port {
     }
 }
 
+impl RegisterInfo {
+    /// Its own signal and those that it reads.
+    pub(crate) fn signals_mut(&mut self) -> impl Iterator<Item = &mut SignalId> {
+        [&mut self.signal, &mut self.next].into_iter().chain(&mut self.enable)
+    }
+}
+
 impl MemoryInfo {
     memory_inputs!(inputs, iter, &);
     memory_inputs!(inputs_mut, iter_mut, &mut);
+
+    /// The signals that it reads, and those of what it has read.
+    pub(crate) fn signals_mut(&mut self) -> impl Iterator<Item = &mut SignalId> {
+        let Self { write_enable, write_address, read_enable, read_address, columns, .. } = self;
+        let columns = columns.iter_mut().flat_map(|column| [&mut column.written, &mut column.read]);
+        [write_enable, write_address, read_enable, read_address].into_iter().chain(columns)
+    }
 
     /// The width of its addresses in bits.
     pub fn address_width(&self) -> u32 {
@@ -384,6 +399,40 @@ pub struct Module {
     pub(crate) instances: Vec<Instance>,
     pub(crate) items: Vec<Item>,
     pub(crate) text: Text,
+}
+
+/// What `make` makes of `top`. It gets a copy of each module in it, after those of its instances, with their modules as
+/// they were made. Instances of the same module keep sharing it.
+pub(crate) fn remade<E>(
+    top: &Arc<Module>,
+    mut make: impl FnMut(&Arc<Module>, Module) -> Result<Arc<Module>, E>,
+) -> Result<Arc<Module>, E> {
+    fn of<E>(
+        module: &Arc<Module>,
+        make: &mut impl FnMut(&Arc<Module>, Module) -> Result<Arc<Module>, E>,
+        made: &mut HashMap<*const Module, Arc<Module>>,
+    ) -> Result<Arc<Module>, E> {
+        if let Some(known) = made.get(&Arc::as_ptr(module)) {
+            return Ok(known.clone());
+        }
+        let mut copy = Module::clone(module);
+        for instance in &mut copy.instances {
+            instance.module = of(&instance.module, make, made)?;
+        }
+        let new = make(module, copy)?;
+        made.insert(Arc::as_ptr(module), new.clone());
+        Ok(new)
+    }
+    of(top, &mut make, &mut HashMap::new())
+}
+
+/// `top` with a change to every module in it.
+pub(crate) fn changed(top: &Arc<Module>, change: impl Fn(&mut Module)) -> Arc<Module> {
+    let Ok(new) = remade(top, |_, mut module| {
+        change(&mut module);
+        Ok::<_, Infallible>(Arc::new(module))
+    });
+    new
 }
 
 impl Module {

@@ -4,8 +4,7 @@
 //! structures, which a package declares, and holds registers of all widths in one module with a parameter.
 
 use crate::Error;
-use crate::netlist::{Label, Module, Signal, SignalId};
-use std::collections::HashMap;
+use crate::netlist::{Label, Module, Signal, SignalId, changed};
 use std::sync::Arc;
 
 /// Declarations that the modules of a design share. They are printed before the modules.
@@ -111,21 +110,7 @@ pub struct Text {
 /// `module` and all below it, printed as they are in the netlist: ports and registers of words, without a package and
 /// its structures, for tools that do not read types of packages, such as Icarus Verilog 11. It behaves the same.
 pub fn plain(module: &Arc<Module>) -> Arc<Module> {
-    plain_once(module, &mut HashMap::new())
-}
-
-/// Instances of one module keep sharing it.
-fn plain_once(module: &Arc<Module>, done: &mut HashMap<*const Module, Arc<Module>>) -> Arc<Module> {
-    if let Some(known) = done.get(&Arc::as_ptr(module)) {
-        return known.clone();
-    }
-    let mut plain = Module { text: Text::default(), ..Module::clone(module) };
-    for instance in &mut plain.instances {
-        instance.module = plain_once(&instance.module, done);
-    }
-    let plain = Arc::new(plain);
-    done.insert(Arc::as_ptr(module), plain.clone());
-    plain
+    changed(module, |module| module.text = Text::default())
 }
 
 impl Package {

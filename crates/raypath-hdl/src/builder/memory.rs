@@ -1,7 +1,6 @@
 //! Memories with one write port and one read port.
 
 use super::{Builder, Undriven, Wire};
-use crate::Error;
 use crate::netlist::{Column, DEPTHS, Driver, Item, MemoryInfo, SignalId, address_width};
 
 /// A memory whose ports are still to be connected. [`MemoryInfo`] defines what it does.
@@ -17,10 +16,13 @@ impl Builder {
     pub fn memory(&self, name: &str, depth: u32, columns: &[(&str, u32)]) -> Memory<'_> {
         self.claim(name);
         if !DEPTHS.contains(&depth) {
-            self.fail_memory(name, format!("depth {depth}, expected {} to {}", DEPTHS.start(), DEPTHS.end()));
+            self.fail_width_of(
+                name.to_string(),
+                format!("depth {depth}, expected {} to {}", DEPTHS.start(), DEPTHS.end()),
+            );
         }
         if columns.is_empty() {
-            self.fail_memory(name, "no columns, expected at least one".to_string());
+            self.fail_width_of(name.to_string(), "no columns, expected at least one".to_string());
         }
         let index = self.state.borrow().module.memories.len();
         let none = SignalId(0);
@@ -43,11 +45,6 @@ impl Builder {
         state.module.memories.push(memory);
         Memory { builder: self, index }
     }
-
-    fn fail_memory(&self, name: &str, problem: String) {
-        let module = self.state.borrow().module.name.clone();
-        self.fail(Error::Width { module, signal: name.to_string(), problem });
-    }
 }
 
 impl<'m> Memory<'m> {
@@ -63,7 +60,7 @@ impl<'m> Memory<'m> {
         let (name, columns) = self.info(|info| (info.name.clone(), info.columns.clone()));
         if word.len() != columns.len() {
             let problem = format!("{} columns written, expected {}", word.len(), columns.len());
-            return self.builder.fail_memory(&format!("{name}.write"), problem);
+            return self.builder.fail_width_of(format!("{name}.write"), problem);
         }
         for (column, wire) in columns.iter().zip(word) {
             let expected = Wire { builder: self.builder, id: column.read }.width();

@@ -24,25 +24,17 @@ impl Body<'_> {
                 let a = self.word(*a).value;
                 Word { value: self.builder.ins().bnot(a), bits: 64 }
             }
-            Driver::And(a, b) => {
+            Driver::And(a, b) | Driver::Or(a, b) | Driver::Xor(a, b) | Driver::Add(a, b) | Driver::Sub(a, b) => {
                 let (a, b) = (self.word(*a), self.word(*b));
-                Word { value: self.builder.ins().band(a.value, b.value), bits: a.bits.min(b.bits) }
-            }
-            Driver::Or(a, b) => {
-                let (a, b) = (self.word(*a), self.word(*b));
-                Word { value: self.builder.ins().bor(a.value, b.value), bits: a.bits.max(b.bits) }
-            }
-            Driver::Xor(a, b) => {
-                let (a, b) = (self.word(*a), self.word(*b));
-                Word { value: self.builder.ins().bxor(a.value, b.value), bits: a.bits.max(b.bits) }
-            }
-            Driver::Add(a, b) => {
-                let (a, b) = (self.word(*a), self.word(*b));
-                Word { value: self.builder.ins().iadd(a.value, b.value), bits: (a.bits.max(b.bits) + 1).min(64) }
-            }
-            Driver::Sub(a, b) => {
-                let (a, b) = (self.word(*a).value, self.word(*b).value);
-                Word { value: self.builder.ins().isub(a, b), bits: 64 }
+                let (ins, most) = (self.builder.ins(), a.bits.max(b.bits));
+                let (value, bits) = match driver {
+                    Driver::And(..) => (ins.band(a.value, b.value), a.bits.min(b.bits)),
+                    Driver::Or(..) => (ins.bor(a.value, b.value), most),
+                    Driver::Xor(..) => (ins.bxor(a.value, b.value), most),
+                    Driver::Add(..) => (ins.iadd(a.value, b.value), (most + 1).min(64)),
+                    _ => (ins.isub(a.value, b.value), 64),
+                };
+                Word { value, bits }
             }
             Driver::Mul(a, b) => {
                 let (a, b) = (self.clean(*a), self.clean(*b));

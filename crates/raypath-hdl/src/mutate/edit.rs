@@ -1,7 +1,7 @@
 //! Applying a change.
 
 use super::Change;
-use crate::netlist::{Driver, Item, Module, Signal, SignalId, mask};
+use crate::netlist::{Driver, Item, MemoryInfo, Module, RegisterInfo, Signal, SignalId, mask};
 use crate::text::Text;
 
 /// The module with the change; `None` if the change does not apply to it.
@@ -19,20 +19,7 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
             let (inside, outside) = insert(&mut new, *signal, width, driver);
             new.signals[outside.index()].driver = Driver::Not(inside);
         }
-        Change::OperandInverted { signal, operand } => {
-            substitute(&mut new, *signal, *operand, Driver::Not(*operand))?;
-        }
-        Change::OperandZero { signal, operand } => {
-            substitute(&mut new, *signal, *operand, Driver::Constant(0))?;
-        }
-        Change::OperandOnes { signal, operand } => {
-            let ones = mask(module.signals.get(operand.index())?.width);
-            substitute(&mut new, *signal, *operand, Driver::Constant(ones))?;
-        }
-        Change::OperandOther { signal, operand, with } => {
-            module.signals.get(with.index())?;
-            substitute(&mut new, *signal, *operand, Driver::Alias(*with))?;
-        }
+        Change::Operand { signal, operand, becomes } => substitute(&mut new, *signal, *operand, becomes.clone())?,
         Change::ShiftedMore { signal } => {
             let Signal { width, driver, .. } = new.signals.get(signal.index())?.clone();
             let is_left = matches!(driver, Driver::ShiftLeft(..));
@@ -47,11 +34,11 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
         Change::NoReset { register } => {
             new.registers.get_mut(*register)?.reset.take()?;
         }
-        Change::PortOnes { instance, input } => {
+        Change::PortConstant { instance, input, value } => {
             let port = *new.instances.get(*instance)?.inputs.get(*input)?;
             let width = new.signals[port.index()].width;
-            let (ones, _) = insert(&mut new, SignalId(0), width, Driver::Constant(mask(width)));
-            new.instances[*instance].inputs[*input] = ones;
+            let (constant, _) = insert(&mut new, SignalId(0), width, Driver::Constant(*value));
+            new.instances[*instance].inputs[*input] = constant;
         }
         Change::PortsExchanged { instance, inputs: [a, b] } => {
             let inputs = &mut new.instances.get_mut(*instance)?.inputs;
@@ -78,12 +65,6 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
         }
         Change::Reset { register, was, becomes } => {
             new.registers.get_mut(*register)?.reset.as_mut().filter(|reset| **reset == *was)?.clone_from(becomes);
-        }
-        Change::PortZero { instance, input } => {
-            let port = *new.instances.get(*instance)?.inputs.get(*input)?;
-            let width = new.signals[port.index()].width;
-            let (zero, _) = insert(&mut new, SignalId(0), width, Driver::Constant(0));
-            new.instances[*instance].inputs[*input] = zero;
         }
         Change::MemoryMasked { memory, input, mask: kept } => {
             let whole = *memory_input(&mut new, *memory, *input)?;
@@ -123,6 +104,7 @@ fn add(module: &mut Module, width: u32, driver: Driver) -> SignalId {
 fn substitute(module: &mut Module, signal: SignalId, operand: SignalId, driver: Driver) -> Option<()> {
     let width = module.signals.get(operand.index())?.width;
     module.signals.get(signal.index()).filter(|found| found.driver.operands().any(|id| id == operand))?;
+    driver.operands().all(|id| id.index() < module.signals.len()).then_some(())?;
     let (new, reader) = insert(module, signal, width, driver);
     let shifted = after(signal, operand);
     module.signals[reader.index()].driver.renumber(|id| if id == shifted { new } else { id });
@@ -138,15 +120,8 @@ fn insert(module: &mut Module, before: SignalId, width: u32, driver: Driver) -> 
         signal.driver.renumber(|id| after(before, id));
     }
     module.inputs.iter_mut().chain(&mut module.outputs).for_each(|port| shift(&mut port.signal));
-    for register in &mut module.registers {
-        shift(&mut register.signal);
-        shift(&mut register.next);
-        register.enable.iter_mut().for_each(shift);
-    }
-    for memory in &mut module.memories {
-        memory.inputs_mut().into_iter().for_each(shift);
-        memory.columns.iter_mut().for_each(|column| shift(&mut column.read));
-    }
+    module.registers.iter_mut().flat_map(RegisterInfo::signals_mut).for_each(shift);
+    module.memories.iter_mut().flat_map(MemoryInfo::signals_mut).for_each(shift);
     for instance in &mut module.instances {
         instance.inputs.iter_mut().chain(&mut instance.outputs).for_each(shift);
     }

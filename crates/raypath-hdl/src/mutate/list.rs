@@ -51,12 +51,11 @@ pub fn faults(module: &Module) -> Vec<Fault> {
     }
     for (instance, info) in module.instances.iter().enumerate() {
         for (input, (port, id)) in info.module.inputs.iter().zip(&info.inputs).enumerate() {
-            if module.signal(*id).driver != Driver::Constant(0) {
-                add(format!("{}.{}", info.name, port.name), Change::PortZero { instance, input });
-            }
             let width = module.signal(*id).width;
-            if module.signal(*id).driver != Driver::Constant(mask(width)) {
-                add(format!("{}.{}", info.name, port.name), Change::PortOnes { instance, input });
+            for value in [0, mask(width)] {
+                if module.signal(*id).driver != Driver::Constant(value) {
+                    add(format!("{}.{}", info.name, port.name), Change::PortConstant { instance, input, value });
+                }
             }
             let is_alike = |other: &SignalId| other != id && module.signal(*other).width == width;
             if let Some(more) = info.inputs[input + 1..].iter().position(is_alike) {
@@ -127,9 +126,10 @@ impl Changes<'_> {
         };
         // A constant has faults of its own.
         let is_constant = |id: SignalId| matches!(self.module.signal(id).driver, Driver::Constant(_));
-        let operands: Vec<SignalId> = operands.into_iter().filter(|&id| !is_constant(id)).collect();
+        let operands = operands.into_iter().filter(|&id| !is_constant(id));
         let signal = self.id;
-        self.found.extend(operands.iter().map(|&operand| Change::OperandZero { signal, operand }));
+        let becomes = |operand, becomes| Change::Operand { signal, operand, becomes };
+        self.found.extend(operands.map(|operand| becomes(operand, Driver::Constant(0))));
         let with_ones: BTreeSet<SignalId> = match driver {
             Driver::Mux { if_true, if_false, .. } => [*if_true, *if_false].into(),
             // All ones, whichever operand is.
@@ -137,10 +137,11 @@ impl Changes<'_> {
             _ => driver.operands().collect(),
         };
         let with_ones = with_ones.into_iter().filter(|&id| !is_constant(id));
-        self.found.extend(with_ones.map(|operand| Change::OperandOnes { signal, operand }));
+        let ones = |id: SignalId| Driver::Constant(mask(self.module.signal(id).width));
+        self.found.extend(with_ones.map(|operand| becomes(operand, ones(operand))));
         for operand in driver.operands().collect::<BTreeSet<SignalId>>() {
             let with = self.nearest(driver, operand);
-            self.found.extend(with.map(|with| Change::OperandOther { signal, operand, with }));
+            self.found.extend(with.map(|with| becomes(operand, Driver::Alias(with))));
         }
     }
 
@@ -191,7 +192,8 @@ impl Changes<'_> {
             }
             Driver::Mux { select, if_true, if_false } => {
                 if if_true != if_false {
-                    self.found.push(Change::OperandInverted { signal: self.id, operand: *select });
+                    let becomes = Driver::Not(*select);
+                    self.found.push(Change::Operand { signal: self.id, operand: *select, becomes });
                     self.becomes(driver, Driver::Alias(*if_true), "select stuck at 1");
                     self.becomes(driver, Driver::Alias(*if_false), "select stuck at 0");
                 }

@@ -11,67 +11,10 @@ pub struct Dyadic {
     exponent: i32,
 }
 
-/// How a number is rounded to a multiple of a power of two.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rounding {
-    /// The nearest; of two, the one with an even significand.
-    NearestEven,
-    /// The nearest; of two, the one away from zero.
-    NearestTiesAway,
-    /// The nearest one that is not farther from zero.
-    TowardZero,
-    /// The nearest one that is not closer to zero.
-    AwayFromZero,
-}
-
 impl Dyadic {
-    /// `significand` · 2^`exponent`.
-    pub fn new(significand: u64, exponent: i32) -> Self {
-        Self { significand: significand.into(), exponent }
-    }
-
     /// 2^`exponent`.
     pub fn power_of_two(exponent: i32) -> Self {
-        Self::new(1, exponent)
-    }
-
-    /// e of 2^e ≤ |x| < 2^(e+1); the least exponent for zero.
-    pub fn exponent(&self) -> i32 {
-        match self.significand.bits() {
-            0 => i32::MIN,
-            bits => self.exponent + bits as i32 - 1,
-        }
-    }
-
-    /// The magnitude in units of 2^`place`, of which it is a multiple below 2^64.
-    pub fn multiples_of(&self, place: i32) -> u64 {
-        let magnitude = self.significand.magnitude();
-        let units = match self.exponent - place {
-            distance @ 0.. => magnitude << distance,
-            distance => magnitude >> distance.unsigned_abs(),
-        };
-        units.iter_u64_digits().next().unwrap_or(0)
-    }
-
-    /// The number rounded to a multiple of 2^`place`.
-    pub fn rounded_to(self, place: i32, rounding: Rounding) -> Self {
-        let distance = i64::from(place) - i64::from(self.exponent);
-        if distance <= 0 {
-            return self;
-        }
-        let magnitude = self.significand.magnitude();
-        let (mut kept, half) = (magnitude >> distance, distance as u64 - 1);
-        // The bits that are lost: whether there are any, whether the first is set, and whether others are.
-        let lowest = magnitude.trailing_zeros().unwrap_or(u64::MAX);
-        let (is_exact, is_half, is_more) = (lowest > half, magnitude.bit(half), lowest < half);
-        let is_up = match rounding {
-            Rounding::NearestEven => is_half && (is_more || kept.bit(0)),
-            Rounding::NearestTiesAway => is_half,
-            Rounding::TowardZero => false,
-            Rounding::AwayFromZero => !is_exact,
-        };
-        kept += u32::from(is_up);
-        Self { significand: BigInt::from_biguint(self.significand.sign(), kept), exponent: place }
+        Self { significand: 1.into(), exponent }
     }
 
     /// How the number compares with zero.
@@ -218,7 +161,7 @@ pub fn within_gamma(n: u32, error: &Dyadic, magnitude: &Dyadic) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Dyadic, Rounding, within_gamma};
+    use super::{Dyadic, within_gamma};
     use num_rational::Ratio;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
@@ -247,25 +190,6 @@ mod tests {
             assert_eq!(x.sign(), ratio(a).cmp(&ratio(0.0)));
             assert_eq!((x.abs().to_f64(), y.to_f64()), (f64::from(a.abs()), f64::from(b)));
         }
-    }
-
-    /// Against the host's rounding to integers.
-    #[test]
-    fn multiples_are_rounded() {
-        for quarters in -40..=40_i32 {
-            let number = f64::from(quarters) / 4.0;
-            let rounded = |rounding| Dyadic::from(number).rounded_to(0, rounding);
-            assert_eq!(rounded(Rounding::NearestEven), Dyadic::from(number.round_ties_even()), "{number}");
-            assert_eq!(rounded(Rounding::NearestTiesAway), Dyadic::from(number.round()), "{number}");
-            assert_eq!(rounded(Rounding::TowardZero), Dyadic::from(number.trunc()), "{number}");
-            assert_eq!(rounded(Rounding::AwayFromZero), Dyadic::from(number.abs().ceil().copysign(number)), "{number}");
-            assert_eq!(Dyadic::from(number).multiples_of(-2), u64::from(quarters.unsigned_abs()));
-            if quarters != 0 {
-                assert_eq!(Dyadic::from(number).exponent(), number.abs().log2().floor() as i32, "{number}");
-            }
-        }
-        assert_eq!(Dyadic::new(3, -40).rounded_to(0, Rounding::AwayFromZero), Dyadic::new(1, 0));
-        assert_eq!(Dyadic::new(3, -40).rounded_to(0, Rounding::NearestEven).sign(), std::cmp::Ordering::Equal);
     }
 
     #[test]

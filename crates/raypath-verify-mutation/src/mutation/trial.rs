@@ -8,7 +8,7 @@
 use super::mutant::{Elaborated, FaultyModule};
 use crate::report::Fate;
 use raypath_float::{Format, encode};
-use raypath_hdl::mutate::without_text;
+use raypath_hdl::text::plain;
 use raypath_hdl::{Builder, Module, Port, SignalId, Wire};
 use raypath_sim::engine::NetlistEngine;
 use raypath_sim::lockstep::{FailedCheck, RegressionChecks};
@@ -99,7 +99,7 @@ impl Trial<'_> {
             && together(&self.module).is_empty()
             && has_data(&self.subject.module)
             && has_same_control(&self.subject.module, &self.module);
-        Ok(is_data && still_computes(config, &without_text(&self.top), LIMIT)?)
+        Ok(is_data && still_computes(config, &plain(&self.top), LIMIT)?)
     }
 }
 
