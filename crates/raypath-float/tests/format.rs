@@ -4,4 +4,4 @@ mod apfloat;
 mod exhaustive;
 mod formats;
 mod host;
-mod operands;
+pub mod operands;

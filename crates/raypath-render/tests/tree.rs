@@ -1,12 +1,13 @@
 //! The structure of the tree and its traversal, and of the built-in scene: closed bodies with outward faces.
 
+use crate::common::meshes;
 use crate::common::rays::{Kind, rays};
-use crate::common::{exact, meshes};
 use raypath_model::Functional;
 use raypath_ops::{Aabb, Binary32, BoxBits, Ray, Rules};
 use raypath_render::bvh::{Reference, Target};
 use raypath_render::{Bvh4, Goal, Mesh, Scene, Stopped, Tracer, Tracing, Traversal, builtin, trace_closest};
 use raypath_timing::{Action, Agent};
+use raypath_verify_datapath::geometry::visibility::exactly_towards;
 use std::collections::{HashMap, VecDeque};
 
 fn numbers(aabb: Aabb<Binary32>) -> [[f32; 2]; 3] {
@@ -62,7 +63,7 @@ fn check(mesh: &Mesh) {
     for (index, &count) in visits.iter().enumerate() {
         let [a, b, c] = mesh.corners(index as u32);
         let along = |axis| std::array::from_fn(|k| f32::from(u8::from(k == axis)));
-        let is_flat = (0..3).all(|axis| exact::side(a, along(axis), b, c) == 0);
+        let is_flat = (0..3).all(|axis| exactly_towards(along(axis), [a, b, c]).sign().is_eq());
         assert_eq!(count, u32::from(!is_flat), "triangle {index}");
     }
     assert_eq!(nodes, tree.nodes().len());

@@ -1,5 +1,5 @@
 use crate::exact::check;
-use crate::results::{Candidate, Nearest};
+use crate::results::Nearest;
 use crate::{Metric, Neighbour, SearchError, SearchTrace, Vectors, cosine_distance, euclidean_distance};
 use raypath_model::Functional;
 use raypath_ops::{Beat, BeatInput, Binary32, Job, Outcome};
@@ -82,27 +82,24 @@ impl<'v> QueryAgent<'v> {
             Metric::Euclidean => &[],
             Metric::Angular => query,
         };
-        let (fetched, evaluated, outstanding, query_norm) = (0, 0, 0, None);
-        let nearest = Nearest::new(count);
         Self {
             base,
             query,
             metric,
             candidates,
-            fetched,
-            evaluated,
+            fetched: 0,
+            evaluated: 0,
             remaining,
-            outstanding,
-            query_norm,
-            nearest,
+            outstanding: 0,
+            query_norm: None,
+            nearest: Nearest::new(count),
             eligible,
         }
     }
 
     /// The nearest candidates with a distance so far, nearest first, and by index at equal distances.
     pub fn into_neighbours(self) -> Vec<Neighbour> {
-        let sorted = self.nearest.into_sorted();
-        sorted.into_iter().map(|Candidate { key, index }| Neighbour { index, distance: key }).collect()
+        self.nearest.into_sorted()
     }
 
     /// The next beat of the current vector, if any is left.
@@ -124,7 +121,7 @@ impl<'v> QueryAgent<'v> {
         if let Some(index) = index
             && self.eligible.as_mut().is_none_or(|eligible| eligible.remove(&index))
         {
-            self.nearest.offer(Candidate { key: distance, index });
+            self.nearest.offer(Neighbour { index, distance });
         }
     }
 }

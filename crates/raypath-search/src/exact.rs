@@ -1,6 +1,6 @@
 use crate::kernel::{self, Blocks, Lane};
 use crate::lanes::with_lanes;
-use crate::results::{Candidate, Nearest};
+use crate::results::Nearest;
 use crate::{
     LaneCount, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance,
 };
@@ -105,10 +105,7 @@ impl Exact {
     }
 
     fn query(&self, query: &[f32], count: usize) -> Query {
-        let norm = match self.metric {
-            Metric::Euclidean => 0.0,
-            Metric::Angular => kernel::norm(self.lanes, query),
-        };
+        let norm = kernel::query_norm(self.metric, self.lanes, query);
         let mut padded = query.to_vec();
         padded.resize(self.blocks.padded(), 0.0);
         Query { padded, norm, nearest: Nearest::new(count) }
@@ -165,22 +162,17 @@ impl Exact {
         // Candidates come in ascending order of index, so one at the distance of the farthest does not displace it.
         if query.nearest.bound().is_none_or(|bound| keys.iter().any(|&key| key < bound)) {
             for (index, &key) in (first..self.len).zip(&keys) {
-                query.nearest.offer(Candidate { key, index: index as u32 });
+                query.nearest.offer(Neighbour { index: index as u32, distance: key });
             }
         }
     }
 
     fn finish(&self, nearest: Nearest) -> Vec<Neighbour> {
-        let neighbours = nearest.into_sorted().into_iter();
+        let mut neighbours = nearest.into_sorted();
+        if self.metric == Metric::Euclidean {
+            neighbours.iter_mut().for_each(|near| near.distance = euclidean_distance(near.distance as f32));
+        }
         neighbours
-            .map(|Candidate { key, index }| {
-                let distance = match self.metric {
-                    Metric::Euclidean => euclidean_distance(key as f32),
-                    Metric::Angular => key,
-                };
-                Neighbour { index, distance }
-            })
-            .collect()
     }
 }
 

@@ -196,7 +196,7 @@ impl<'v> Graph<'v> {
         scratch: &mut Scratch,
         mut evaluated: impl FnMut(u32),
     ) -> Vec<Neighbour> {
-        let norm = self.distances.norm(query);
+        let norm = kernel::query_norm(self.distances.metric, self.distances.lanes, query);
         let mut distance = |candidate| {
             evaluated(candidate);
             self.distances.eval(query, norm, candidate)
@@ -204,7 +204,7 @@ impl<'v> Graph<'v> {
         let found = dispatch!(self.distances.level, _simd => self.graph.search(ef, scratch, &mut distance));
         let exactly = |index| Neighbour { index, distance: self.distances.exactly(query, norm, index) };
         let mut row: Vec<Neighbour> = found.iter().take(count).map(|near| exactly(near.item())).collect();
-        row.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.index.cmp(&b.index)));
+        row.sort();
         row
     }
 }
@@ -237,14 +237,6 @@ struct Distances<'v> {
 impl<'v> Distances<'v> {
     fn new(base: &'v Vectors, metric: Metric, lanes: LaneCount) -> Self {
         Self { base, metric, lanes, level: Level::new(), norms: norms(base, metric, lanes) }
-    }
-
-    /// The squared norm of a query, for the angular metric.
-    fn norm(&self, query: &[f32]) -> f32 {
-        match self.metric {
-            Metric::Euclidean => 0.0,
-            Metric::Angular => kernel::norm(self.lanes, query),
-        }
     }
 
     /// The runs of the datapath for the norm of a query.

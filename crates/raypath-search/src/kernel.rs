@@ -62,6 +62,14 @@ pub(crate) fn norm(lanes: LaneCount, vector: &[f32]) -> f32 {
     dot_product(lanes, vector, vector)
 }
 
+/// The squared norm of a query for the angular metric, 0 for the other.
+pub(crate) fn query_norm(metric: Metric, lanes: LaneCount, query: &[f32]) -> f32 {
+    match metric {
+        Metric::Euclidean => 0.0,
+        Metric::Angular => norm(lanes, query),
+    }
+}
+
 /// The distance of a query and one candidate.
 pub(crate) fn distance(metric: Metric, lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f64 {
     match metric {

@@ -14,8 +14,8 @@ pub struct SearchResults {
     pub seconds: f64,
 }
 
-/// A neighbour of a query.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A neighbour of a query, ordered by distance and then by index.
+#[derive(Debug, Clone, Copy)]
 pub struct Neighbour {
     /// The index of the vector in the base.
     pub index: u32,
@@ -63,19 +63,11 @@ impl SearchResults {
     }
 }
 
-/// The nearest of the candidates offered so far.
+/// The nearest of the candidates offered so far, by their distances or a monotonic function of these.
 #[derive(Debug, Clone)]
 pub(crate) struct Nearest {
-    heap: BinaryHeap<Candidate>,
+    heap: BinaryHeap<Neighbour>,
     count: usize,
-}
-
-/// A candidate, ordered by key and then by index.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Candidate {
-    /// A monotonic function of the distance; not NaN.
-    pub(crate) key: f64,
-    pub(crate) index: u32,
 }
 
 impl Nearest {
@@ -83,14 +75,14 @@ impl Nearest {
         Self { heap: BinaryHeap::with_capacity(count), count }
     }
 
-    /// The key of the farthest candidate; `None` while there are fewer than `count`.
+    /// The distance of the farthest candidate; `None` while there are fewer than `count`.
     #[inline]
     pub(crate) fn bound(&self) -> Option<f64> {
-        if self.heap.len() < self.count { None } else { self.heap.peek().map(|worst| worst.key) }
+        if self.heap.len() < self.count { None } else { self.heap.peek().map(|worst| worst.distance) }
     }
 
     #[inline]
-    pub(crate) fn offer(&mut self, candidate: Candidate) {
+    pub(crate) fn offer(&mut self, candidate: Neighbour) {
         if self.heap.len() < self.count {
             self.heap.push(candidate);
         } else if let Some(mut worst) = self.heap.peek_mut()
@@ -100,27 +92,27 @@ impl Nearest {
         }
     }
 
-    pub(crate) fn into_sorted(self) -> Vec<Candidate> {
+    pub(crate) fn into_sorted(self) -> Vec<Neighbour> {
         self.heap.into_sorted_vec()
     }
 }
 
-impl Ord for Candidate {
+impl Ord for Neighbour {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.key.total_cmp(&other.key).then(self.index.cmp(&other.index))
+        self.distance.total_cmp(&other.distance).then(self.index.cmp(&other.index))
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for Neighbour {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for Neighbour {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for Neighbour {}

@@ -2,9 +2,9 @@
 
 pub mod boxes;
 mod needles;
-mod patches;
+pub mod patches;
 pub mod sums;
 pub mod triangle_distances;
 mod vector;
-mod visibility;
+pub mod visibility;
 pub mod watertight;

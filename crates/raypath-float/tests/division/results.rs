@@ -1,6 +1,7 @@
 //! Results for all operands of small formats, and for hard and random ones of larger formats.
 
 use crate::division::driver::{ALWAYS, Job, Unit};
+use crate::format::operands::Operands;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
 use raypath_float::{DivSqrt, Format};
@@ -67,9 +68,9 @@ fn hard_operands_of_larger_formats() {
     let formats = [(5, 11), (8, 8), (8, 11), (4, 7), (6, 19), (10, 6), (11, 3), (7, 24), (11, 24), (8, 24)];
     for (number, (e, s)) in (0..).zip(formats) {
         let format = format(e, s);
-        let mut random = ChaCha8Rng::seed_from_u64(number);
+        let mut operands = Operands::new(format, number);
         for function in FUNCTIONS {
-            let jobs: Vec<Job> = (0..20_000).map(|_| hard(format, &mut random)).collect();
+            let jobs: Vec<Job> = (0..20_000).map(|_| hard(format, &mut operands)).collect();
             let word = |code| format.encode(code);
             for latency in [1, 2, s / 2, s + 3] {
                 Unit::pipelined(function, format, latency).check(&jobs, word, ALWAYS);
@@ -82,37 +83,11 @@ fn hard_operands_of_larger_formats() {
 }
 
 /// Quotients of every class and rounding, and radicands that are near squares.
-fn hard(format: Format, random: &mut ChaCha8Rng) -> Job {
-    let (fraction_width, top) = (format.fraction_width(), (1_u64 << format.exponent()) - 1);
-    let mut code = |exponent: u64| {
-        let all = (1 << fraction_width) - 1;
-        let bits = random.random_range(0..=all);
-        let place = random.random_range(0..=fraction_width);
-        let fraction = match random.random_range(0..6) {
-            0 | 1 => bits,
-            2 => bits & (all << place),
-            3 => bits & (all >> place),
-            4 => all & (all << place),
-            _ => all >> place,
-        };
-        let sign: u64 = random.random_range(0..2);
-        (sign << format.exponent() | exponent) << fraction_width | fraction
-    };
-    let [mut a, b] = [0; 2].map(|_: u64| code(0));
-    let any = [0; 2].map(|_: u64| random.random_range(0..=top));
-    let near_limits = match random.random_range(0..4) {
-        // The quotient is subnormal, or near the largest number.
-        0 => [any[0], (any[0] + top / 2).min(top)],
-        1 => [any[0], any[0].saturating_sub(top / 2)],
-        2 => [any[0], (any[0] + random.random_range(0..3)).min(top)],
-        _ => any,
-    };
-    if random.random_range(0..8) == 0 {
-        let root = format.to_f64(b);
-        a = format.from_f64(root * root) & !(top << fraction_width);
-    }
-    let with = |code: u64, exponent: u64| code | exponent << fraction_width;
-    Job { a: with(a, near_limits[0]), b: with(b, near_limits[1]), is_root: random.random() }
+fn hard(format: Format, operands: &mut Operands) -> Job {
+    let (a, b) = operands.pair();
+    let root = format.to_f64(b);
+    let a = if operands.rng.random_range(0..8) == 0 { format.from_f64(root * root) } else { a };
+    Job { a, b, is_root: operands.rng.random() }
 }
 
 /// The combinational units, and the sign of the root of -0.

@@ -1,6 +1,5 @@
 //! Meshes, rays, and an independent oracle of hits.
 
-pub mod exact;
 pub mod meshes;
 pub mod oracle;
 pub mod patches;

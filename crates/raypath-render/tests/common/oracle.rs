@@ -3,9 +3,10 @@
 //! The bounds are those of `docs/reference/error-bounds.md`, in binary64, whose own error is 2⁻²⁹ of them; hence the
 //! 1.001.
 
-use super::exact;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{Hit, Mesh};
+use raypath_verify_datapath::geometry::visibility::exactly_towards;
+use std::cmp::Ordering;
 
 const U: f64 = 1.001 / (1_u64 << 24) as f64;
 
@@ -206,14 +207,14 @@ impl View {
         }
         let sum: f64 = edges.iter().sum();
         let magnitude: f64 = magnitudes.iter().sum();
-        let signs: [i32; 3] = std::array::from_fn(|i| {
+        let signs: [Ordering; 3] = std::array::from_fn(|i| {
             if edges[i].abs() > 1e-13 * magnitudes[i] {
-                return if edges[i] > 0.0 { 1 } else { -1 };
+                return edges[i].total_cmp(&0.0);
             }
-            exact::side(self.o32, self.d32, corners[(i + 1) % 3], corners[(i + 2) % 3])
+            exactly_towards(self.d32, [self.o32, corners[(i + 1) % 3], corners[(i + 2) % 3]]).sign()
         });
         let t = (0..3).map(|i| edges[i] * depths[i]).sum::<f64>() / sum;
-        let exact = signs.iter().all(|&sign| sign >= 0) && signs.iter().any(|&sign| sign > 0) && t > 0.0;
+        let exact = signs.iter().all(|sign| sign.is_ge()) && signs.iter().any(|sign| sign.is_gt()) && t > 0.0;
         let in_front = low > 0.0;
         let certain = in_front && (0..3).all(|i| edges[i] > 10.0 * U * magnitudes[i]);
         // With a vertex behind the origin the terms of the mean have both signs, and 19 roundings scale with the

@@ -1,10 +1,11 @@
 //! The recorder, compared with known positions and with the positions that the model reports.
 
 use crate::report::common::{self, run, shape};
+use crate::simulation::common::Cycles;
 use raypath_model::{Control, CycleModel, Functional, PipelinePosition};
 use raypath_ops::Rules;
 use raypath_timing::report::{Recorder, Window};
-use raypath_timing::{Environment, Observer, PortActivity, Sink, simulate};
+use raypath_timing::{Environment, PortActivity, Sink, simulate};
 
 #[test]
 fn without_stalls_a_job_spends_one_cycle_in_each_stage() {
@@ -24,26 +25,14 @@ fn without_stalls_a_job_spends_one_cycle_in_each_stage() {
     }
 }
 
-/// Records all cycles.
-#[derive(Default)]
-struct Everything(Vec<(PortActivity, Vec<PipelinePosition>)>);
-
-impl Observer for Everything {
-    fn next_observed(&self, cycle: u64) -> Option<u64> {
-        Some(cycle)
-    }
-    fn observe(&mut self, ports: &PortActivity, positions: impl Iterator<Item = PipelinePosition>) {
-        self.0.push((*ports, positions.collect()));
-    }
-}
-
 fn everything(control: Control, stalls: f64) -> Vec<(PortActivity, Vec<PipelinePosition>)> {
     let agents = (0..400).map(|seed| common::Walk::new(seed, 4));
     let pipeline = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape(control));
     let sink = Sink::Stalls { probability: stalls, seed: 1 };
-    let (environment, mut all) = (Environment { in_flight: 24, memory_latency: 40, sink }, Everything::default());
+    let (environment, mut all) =
+        (Environment { in_flight: 24, memory_latency: 40, sink }, Cycles::between(0, u64::MAX));
     simulate(agents, &environment, pipeline, &mut all, &|_| true).expect("runs");
-    all.0
+    all.seen
 }
 
 /// In every cycle the recording has the same jobs in each stage and in its skid buffer as the model.

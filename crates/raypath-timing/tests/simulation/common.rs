@@ -1,8 +1,8 @@
 //! A model without arithmetic, whose jobs carry the number of their owner, and agents that follow a list.
 
-use raypath_model::{CycleModel, Model, Shape};
+use raypath_model::{CycleModel, Model, PipelinePosition, Shape};
 use raypath_ops::JobKind;
-use raypath_timing::{Action, Agent};
+use raypath_timing::{Action, Agent, Observer, PortActivity};
 
 /// A job of a kind, with the number of its owner. Its outcome is the job itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,6 +49,28 @@ impl<M: Model> Agent<M> for Script<M> {
     }
     fn receive(&mut self, outcome: &M::Outcome) {
         self.outcomes.push(outcome.clone());
+    }
+}
+
+/// Observes the cycles of a range.
+pub struct Cycles {
+    from: u64,
+    until: u64,
+    pub seen: Vec<(PortActivity, Vec<PipelinePosition>)>,
+}
+
+impl Cycles {
+    pub fn between(from: u64, until: u64) -> Self {
+        Self { from, until, seen: Vec::new() }
+    }
+}
+
+impl Observer for Cycles {
+    fn next_observed(&self, cycle: u64) -> Option<u64> {
+        Some(cycle.max(self.from)).filter(|cycle| *cycle < self.until)
+    }
+    fn observe(&mut self, ports: &PortActivity, positions: impl Iterator<Item = PipelinePosition>) {
+        self.seen.push((*ports, positions.collect()));
     }
 }
 

@@ -17,7 +17,9 @@ pub enum Target {
 /// Faces that share an edge or a vertex, counter-clockwise as seen from outside.
 #[derive(Debug, Clone)]
 pub struct Patch {
+    /// What they share.
     pub target: Target,
+    /// The vertices of all faces.
     pub vertices: Vec<[f32; 3]>,
     /// The three vertices of each face.
     pub faces: Vec<[usize; 3]>,

@@ -24,6 +24,7 @@ pub enum Visibility {
 /// A factor for terms of second order and for rounding errors of this computation in binary64.
 const SAFETY: f64 = 1.001;
 
+/// The position of this ray relative to this patch.
 pub fn visibility(ray: &Ray<Binary32>, patch: &Patch) -> Visibility {
     if !patch.faces.iter().all(|&face| faces_direction(ray.dir.into(), patch.corners(face))) {
         return Visibility::BackFacing;
@@ -67,7 +68,7 @@ pub fn faces_direction(direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
 }
 
 /// direction · ((b − a) × (c − a))
-fn exactly_towards(direction: [f32; 3], corners: [[f32; 3]; 3]) -> Dyadic {
+pub fn exactly_towards(direction: [f32; 3], corners: [[f32; 3]; 3]) -> Dyadic {
     let [a, b, c] = corners.map(|corner| corner.map(Dyadic::from));
     let e: [Dyadic; 3] = std::array::from_fn(|i| &b[i] - &a[i]);
     let f: [Dyadic; 3] = std::array::from_fn(|i| &c[i] - &a[i]);
