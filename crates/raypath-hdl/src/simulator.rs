@@ -150,6 +150,25 @@ impl Simulator {
         self.io[output.slot]
     }
 
+    /// Sets the first inputs, in the order of the module's ports, until they are set again.
+    pub fn set_all(&mut self, values: impl IntoIterator<Item = u64>) {
+        for (slot, (port, value)) in self.module.inputs.iter().zip(values).enumerate() {
+            self.io[slot] = value & mask(self.module.signal(port.signal).width);
+        }
+    }
+
+    /// The values of all outputs at the last evaluation, in the order of the module's ports.
+    pub fn outputs(&self) -> &[u64] {
+        &self.io[self.module.inputs.len()..][..self.module.outputs.len()]
+    }
+
+    /// Sets the first inputs, evaluates without an edge, and returns all outputs, in the order of the ports.
+    pub fn evaluate(&mut self, values: impl IntoIterator<Item = u64>) -> &[u64] {
+        self.set_all(values);
+        self.settle();
+        self.outputs()
+    }
+
     /// One clock cycle: evaluates with the inputs as set, then the rising edge.
     pub fn cycle(&mut self) {
         self.settle();

@@ -58,13 +58,8 @@ fn a_gate_is_an_enable() {
     let (module, text) = (gated(), verilog::text(&with_enables(&gated())).expect("a text"));
     assert!(text.contains("if (load_i) begin") && !text.contains(verilog::CLOCK_GATE), "{text}");
     let mut simulator = Simulator::new(&module).expect("a simulator");
-    let (load, data) = (simulator.input("load_i").expect("a port"), simulator.input("data_i").expect("a port"));
-    let kept = simulator.output("kept_o").expect("a port");
     for (loads, value, expected) in [(0, 128, 0), (1, 7, 3), (1, 9, 3), (0, 0, 3), (0, 255, 3), (0, 0, 7)] {
-        simulator.set(load, loads);
-        simulator.set(data, value);
-        simulator.settle();
-        assert_eq!(simulator.get(kept), expected);
+        assert_eq!(simulator.evaluate([loads, value]), [expected]);
         simulator.cycle();
     }
 }

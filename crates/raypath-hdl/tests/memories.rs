@@ -35,20 +35,9 @@ impl Bench {
 
     /// The columns in a cycle with these inputs: write, address, low, read, address.
     fn cycle(&mut self, [write, write_address, low, read, read_address]: Inputs) -> [u64; 2] {
-        let s = &mut self.simulator;
-        for (name, value) in [
-            ("write_i", write),
-            ("write_address_i", write_address),
-            ("low_i", low),
-            ("high_i", !low),
-            ("read_i", read),
-            ("read_address_i", read_address),
-        ] {
-            let port = s.input(name).expect("an input");
-            s.set(port, value);
-        }
-        s.cycle();
-        ["high_o", "low_o"].map(|name| s.get(s.output(name).expect("an output")))
+        self.simulator.set_all([write, write_address, low, !low, read, read_address]);
+        self.simulator.cycle();
+        self.simulator.outputs().try_into().expect("two columns")
     }
 }
 
@@ -78,10 +67,8 @@ fn settling_and_a_reset_leave_words_and_columns() {
     bench.cycle([0, 0, 0, 1, 1]);
     bench.cycle([0, 0, 0, 0, 0]);
     bench.simulator.set_reset(true);
-    let write = bench.simulator.input("write_i").expect("an input");
-    bench.simulator.set(write, 1);
-    bench.simulator.settle();
-    bench.simulator.set(write, 0);
+    bench.simulator.evaluate([1]);
+    bench.simulator.set_all([0]);
     assert_eq!(bench.cycle([0, 0, 0, 1, 0]), word(10), "settling wrote nothing");
     assert_eq!(bench.cycle([1, 1, 20, 1, 1]), [0, 0]);
     assert_eq!(bench.cycle([0, 0, 0, 1, 1]), word(10), "an edge during the reset counts");

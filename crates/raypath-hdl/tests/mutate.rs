@@ -137,13 +137,12 @@ fn memories_have_their_faults() {
         let mut state = 1u64;
         let mut shown = Vec::new();
         for _ in 0..500 {
-            for port in module.inputs() {
+            simulator.set_all(std::iter::repeat_with(|| {
                 state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                simulator.set(simulator.input(&port.name).expect("an input"), state >> 40);
-            }
+                state >> 40
+            }));
             simulator.cycle();
-            let outputs = module.outputs().iter();
-            shown.extend(outputs.map(|port| simulator.get(simulator.output(&port.name).expect("an output"))));
+            shown.extend_from_slice(simulator.outputs());
         }
         shown
     };
@@ -159,17 +158,11 @@ fn memories_have_their_faults() {
 /// The text of a module, and its outputs for every input.
 fn behaviour(module: &Arc<Module>) -> (String, Vec<u64>) {
     let mut simulator = Simulator::new(module).expect("a simulator");
-    let inputs = module.inputs().iter().map(|port| simulator.input(&port.name).expect("an input"));
-    let inputs: Vec<_> = inputs.collect();
-    let outputs = module.outputs().iter().map(|port| simulator.output(&port.name).expect("an output"));
-    let outputs: Vec<_> = outputs.collect();
     let mut shown = Vec::new();
     for number in 0..1_u64 << 9 {
-        for (&input, low) in inputs.iter().zip([0, 4, 8]) {
-            simulator.set(input, number >> low);
-        }
+        simulator.set_all([0, 4, 8].map(|low| number >> low));
         simulator.cycle();
-        shown.extend(outputs.iter().map(|&output| simulator.get(output)));
+        shown.extend_from_slice(simulator.outputs());
     }
     (verilog::print_module(module, &[]).expect("a text"), shown)
 }
@@ -214,12 +207,7 @@ fn a_faulty_module_replaces_the_original_in_every_instance() {
     let fault =
         faults(&inner).into_iter().find(|fault| fault.to_string().contains("Add becomes Sub")).expect("a fault");
     let faulty = replace(&outer, &Arc::new(fault.apply(&inner).expect("a faulty module"))).expect("a hierarchy");
-    let answer = |module: &Arc<Module>| {
-        let mut simulator = Simulator::new(module).expect("a simulator");
-        simulator.set(simulator.input("x_i").expect("an input"), 5);
-        simulator.settle();
-        simulator.get(simulator.output("x_o").expect("an output"))
-    };
+    let answer = |module: &Arc<Module>| Simulator::new(module).expect("a simulator").evaluate([5])[0];
     assert_eq!((answer(&outer), answer(&faulty)), ((!6 & 15) + 1, (!4 & 15) - 1));
     let instances = |module: &Module, index: usize| module.instances()[index].module.clone();
     assert!(Arc::ptr_eq(&instances(&outer, 1), &instances(&faulty, 1)), "what has not changed stays shared");

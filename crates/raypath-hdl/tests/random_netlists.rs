@@ -161,29 +161,25 @@ fn random_word(random: &mut ChaCha8Rng) -> u64 {
 fn compare(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
     let mut plain = Simulator::new(module).unwrap();
     let mut observing = Simulator::observing(module, |_| true).unwrap();
-    let inputs: Vec<_> = module.inputs().iter().map(|port| plain.input(&port.name).unwrap()).collect();
-    let outputs: Vec<_> = module.outputs().iter().map(|port| plain.output(&port.name).unwrap()).collect();
     let mut scope = Scope::new(module);
     for cycle in 0..40 {
         let reset = random.random_range(0..10) == 0;
         plain.set_reset(reset);
         observing.set_reset(reset);
         scope.begin_cycle(reset);
-        for (place, (&port, info)) in inputs.iter().zip(module.inputs()).enumerate() {
-            let value = random_word(random);
-            plain.set(port, value);
-            observing.set(port, value);
-            scope.inputs[place] = Some(u128::from(value) % (1 << module.signal(info.signal).width));
+        let words: Vec<u64> = module.inputs().iter().map(|_| random_word(random)).collect();
+        plain.set_all(words.iter().copied());
+        observing.set_all(words.iter().copied());
+        for (place, (port, &word)) in module.inputs().iter().zip(&words).enumerate() {
+            scope.inputs[place] = Some(u128::from(word) % (1 << module.signal(port.signal).width));
         }
         scope.evaluate();
         plain.cycle();
         observing.cycle();
-        for (port, &output) in module.outputs().iter().zip(&outputs) {
-            let expected = scope.value(port.signal);
-            let place = format!("{} in cycle {cycle} of seed {seed}", port.name);
-            assert_eq!(u128::from(plain.get(output)), expected, "{place}");
-            assert_eq!(u128::from(observing.get(output)), expected, "{place}, observing");
+        for (port, &word) in module.outputs().iter().zip(plain.outputs()) {
+            assert_eq!(u128::from(word), scope.value(port.signal), "{} in cycle {cycle} of seed {seed}", port.name);
         }
+        assert_eq!(observing.outputs(), plain.outputs(), "observing in cycle {cycle} of seed {seed}");
         compare_observed(&observing, &mut scope, "", &format!("cycle {cycle} of seed {seed}"));
         scope.edge(reset);
     }

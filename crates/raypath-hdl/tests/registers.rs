@@ -1,6 +1,6 @@
 //! Registers, enables and the asynchronous reset.
 
-use raypath_hdl::{Builder, InputPort, Module, OutputPort, Simulator};
+use raypath_hdl::{Builder, Module, Simulator};
 use std::sync::Arc;
 
 /// Three registers that load `d_i`: always, if `en_i` is 1, and if `en_i` is 1 with a reset to 9.
@@ -20,33 +20,22 @@ fn three_registers() -> Arc<Module> {
 
 struct Bench {
     simulator: Simulator,
-    d: InputPort,
-    en: InputPort,
-    outputs: [OutputPort; 3],
 }
 
 impl Bench {
     fn new() -> Self {
-        let simulator = Simulator::new(&three_registers()).unwrap();
-        let outputs = ["plain_o", "held_o", "reset_o"].map(|name| simulator.output(name).unwrap());
-        Self { d: simulator.input("d_i").unwrap(), en: simulator.input("en_i").unwrap(), simulator, outputs }
+        Self { simulator: Simulator::new(&three_registers()).unwrap() }
     }
 
     /// The outputs in a cycle with these inputs.
-    fn cycle(&mut self, d: u64, en: u64) -> [u64; 3] {
-        self.simulator.set(self.d, d);
-        self.simulator.set(self.en, en);
+    fn cycle(&mut self, d: u64, en: u64) -> &[u64] {
+        self.simulator.set_all([d, en]);
         self.simulator.cycle();
-        self.shown()
+        self.simulator.outputs()
     }
 
-    fn settled(&mut self) -> [u64; 3] {
-        self.simulator.settle();
-        self.shown()
-    }
-
-    fn shown(&self) -> [u64; 3] {
-        self.outputs.map(|output| self.simulator.get(output))
+    fn settled(&mut self) -> &[u64] {
+        self.simulator.evaluate([])
     }
 }
 
@@ -64,7 +53,7 @@ fn registers_take_their_values_at_the_edge() {
 fn settling_makes_no_edge() {
     let mut bench = Bench::new();
     bench.cycle(1, 1);
-    bench.simulator.set(bench.d, 2);
+    bench.simulator.set_all([2]);
     assert_eq!(bench.settled(), [1, 1, 1]);
     assert_eq!(bench.settled(), [1, 1, 1]);
     assert_eq!(bench.cycle(3, 1), [1, 1, 1]);
@@ -104,11 +93,10 @@ fn simulators_of_one_module_are_independent_and_can_move_to_threads() {
             .map(|n| {
                 let mut simulator = Simulator::new(&module).unwrap();
                 scope.spawn(move || {
-                    let (d, output) = (simulator.input("d_i").unwrap(), simulator.output("plain_o").unwrap());
-                    simulator.set(d, n);
+                    simulator.set_all([n]);
                     simulator.cycle();
                     simulator.cycle();
-                    simulator.get(output)
+                    simulator.outputs()[0]
                 })
             })
             .collect();
@@ -122,9 +110,7 @@ fn simulators_of_one_module_are_independent_and_can_move_to_threads() {
 fn a_restarted_simulator_equals_a_new_one() {
     let module = three_registers();
     let mut simulator = Simulator::new(&module).unwrap();
-    let ports = ["plain_o", "held_o", "reset_o"].map(|name| simulator.output(name).unwrap());
-    let inputs = [("d_i", 5), ("en_i", 1)].map(|(name, value)| (simulator.input(name).unwrap(), value));
-    inputs.into_iter().for_each(|(input, value)| simulator.set(input, value));
+    simulator.set_all([5, 1]);
     simulator.cycle();
     simulator.set_reset(true);
     simulator.restart();
@@ -133,5 +119,5 @@ fn a_restarted_simulator_equals_a_new_one() {
         simulator.cycle();
     }
     // The inputs are 0 again, and the register without an enable has loaded 0.
-    assert_eq!(ports.map(|port| simulator.get(port)), [0, 0, 9]);
+    assert_eq!(simulator.outputs(), [0, 0, 9]);
 }

@@ -151,8 +151,7 @@ fn a_single_sample_of_a_module_without_a_clock_is_kept() {
     m.output("not_o", !m.input("a_i", 8));
     let mut simulator = Simulator::observing(&m.finish().unwrap(), |_| true).unwrap();
     let mut waves = WaveWriter::create(&path, &simulator).unwrap();
-    simulator.set(simulator.input("a_i").unwrap(), 0x0f);
-    simulator.settle();
+    simulator.evaluate([0x0f]);
     waves.sample(&simulator, 0).unwrap();
     waves.finish().unwrap();
     let mut read = wellen::simple::read(&path).unwrap();

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::gates::{Gates, NetId, ONE};
 use crate::logic::{MAX_INPUTS, Output, evaluate};
 use crate::netlist::Direction;
-use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
+use raypath_hdl::{Module, Simulator};
 use raypath_tools::ToolError;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -56,8 +56,8 @@ pub struct GateSimulator<'g> {
     states: Vec<u64>,
     flip_flops: Vec<u32>,
     text: Simulator,
-    inputs: Vec<(InputPort, &'g [NetId])>,
-    outputs: Vec<(&'g str, OutputPort, &'g [NetId])>,
+    inputs: Vec<&'g [NetId]>,
+    outputs: Vec<(&'g str, &'g [NetId])>,
     /// The clock, and those behind clock gates. The value of a clock is whether it has a pulse in the cycle.
     clocks: Vec<NetId>,
     clock: Option<NetId>,
@@ -76,14 +76,8 @@ impl<'g> GateSimulator<'g> {
             let missing = || ToolError::unexpected("yosys", format!("no port {name}"), "the ports of the netlist");
             found.map(|(name, _, nets)| (name.as_str(), nets.as_slice())).ok_or_else(missing)
         };
-        let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
-        for input in top.inputs() {
-            inputs.push((text.input(&input.name)?, port(&input.name, Direction::Input)?.1));
-        }
-        for output in top.outputs() {
-            let (name, nets) = port(&output.name, Direction::Output)?;
-            outputs.push((name, text.output(&output.name)?, nets));
-        }
+        let inputs = top.inputs().iter().map(|input| Ok(port(&input.name, Direction::Input)?.1));
+        let outputs = top.outputs().iter().map(|output| port(&output.name, Direction::Output));
         let is_flip_flop = |cell: &u32| gates.logic(&gates.cells[*cell as usize]).state.is_some();
         let clock = gates.input("clk_i");
         let behind_gates = gates.cells.iter().filter(|cell| gates.logic(cell).is_clock_gate);
@@ -97,8 +91,8 @@ impl<'g> GateSimulator<'g> {
             reset: gates.input("rst_ni"),
             gates,
             text,
-            inputs,
-            outputs,
+            inputs: inputs.collect::<Result<_, ToolError>>()?,
+            outputs: outputs.collect::<Result<_, _>>()?,
         })
     }
 
@@ -152,11 +146,9 @@ impl<'g> GateSimulator<'g> {
             self.text.set_reset(false);
             let mut shown = Vec::with_capacity(workload.frames.len() * self.outputs.len());
             for frame in &workload.frames {
-                for ((port, _), values) in self.inputs.iter().zip(frame) {
-                    self.text.set(*port, values[stream]);
-                }
+                self.text.set_all(frame.iter().map(|values| values[stream]));
                 self.text.cycle();
-                shown.extend(self.outputs.iter().map(|(_, port, _)| self.text.get(*port)));
+                shown.extend_from_slice(self.text.outputs());
             }
             all.push(shown);
         }
@@ -172,7 +164,7 @@ impl<'g> GateSimulator<'g> {
     }
 
     fn set(&mut self, frame: &Frame) {
-        for ((_, nets), values) in self.inputs.iter().zip(frame) {
+        for (nets, values) in self.inputs.iter().zip(frame) {
             for (bit, net) in nets.iter().enumerate() {
                 let of_streams = values.iter().enumerate().map(|(stream, value)| (value >> bit & 1) << stream);
                 self.values[*net as usize] = of_streams.sum();
@@ -226,7 +218,7 @@ impl<'g> GateSimulator<'g> {
         let at = |stream| format!("in cycle {cycle} of {}, stream {stream}", workload.name);
         let mut values = vec![0; self.outputs.len()];
         for stream in 0..STREAMS {
-            for (value, (_, _, nets)) in values.iter_mut().zip(&self.outputs) {
+            for (value, (_, nets)) in values.iter_mut().zip(&self.outputs) {
                 let bits = nets.iter().enumerate();
                 *value = bits.map(|(bit, net)| (self.values[*net as usize] >> stream & 1) << bit).sum();
             }

@@ -7,11 +7,10 @@ mod narrow;
 mod short;
 mod sums;
 
-use raypath_hdl::{Error, Module};
-use raypath_verify_arithmetic::units::bench::Simulated;
+use raypath_hdl::{Error, Module, Simulator};
 use std::sync::Arc;
 
 /// A converter in simulation.
-fn converter(unit: Result<Arc<Module>, Error>) -> Simulated {
-    unit.and_then(|unit| Simulated::new(&unit)).expect("the converter runs")
+fn converter(unit: Result<Arc<Module>, Error>) -> Simulator {
+    unit.and_then(|unit| Simulator::new(&unit)).expect("the converter runs")
 }

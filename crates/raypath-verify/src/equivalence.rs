@@ -122,11 +122,6 @@ fn confirmed(result: ProofResult, pair: &[Arc<Module>; 2]) -> Result<Equivalence
 /// The values of a module's outputs for these inputs.
 fn outputs(module: &Arc<Module>, values: &BTreeMap<String, u64>) -> Result<Vec<u64>, Error> {
     let mut simulator = Simulator::new(module)?;
-    for port in module.inputs() {
-        let input = simulator.input(&port.name)?;
-        simulator.set(input, values.get(&port.name).copied().unwrap_or(0));
-    }
-    simulator.settle();
-    let outputs = module.outputs().iter().map(|port| Ok(simulator.get(simulator.output(&port.name)?)));
-    outputs.collect()
+    let inputs = module.inputs().iter().map(|port| values.get(&port.name).copied().unwrap_or(0));
+    Ok(simulator.evaluate(inputs).to_vec())
 }

@@ -23,8 +23,6 @@ pub fn agree_in_frames(top: &Arc<Module>, verilated: &Verilated, frames: &[Vec<u
 
 fn simulate(top: &Arc<Module>, frames: &[Vec<u64>]) -> Vec<Vec<u64>> {
     let mut simulator = Simulator::new(top).expect("a simulator");
-    let inputs: Vec<_> = top.inputs().iter().map(|port| simulator.input(&port.name).expect("an input")).collect();
-    let outputs: Vec<_> = top.outputs().iter().map(|port| simulator.output(&port.name).expect("an output")).collect();
     let mut cycle = |frame: &Vec<u64>| {
         let words = match frame.as_slice() {
             [reset, words @ ..] if top.has_reset() => {
@@ -33,9 +31,9 @@ fn simulate(top: &Arc<Module>, frames: &[Vec<u64>]) -> Vec<Vec<u64>> {
             }
             words => words,
         };
-        inputs.iter().zip(words).for_each(|(&port, &word)| simulator.set(port, word));
+        simulator.set_all(words.iter().copied());
         simulator.cycle();
-        outputs.iter().map(|&port| simulator.get(port)).collect()
+        simulator.outputs().to_vec()
     };
     frames.iter().map(&mut cycle).collect()
 }

@@ -1,7 +1,7 @@
 //! A test bench of the floating-point units: one netlist with all units of a format and common operands.
 
 use raypath_float::{Format, add, compare, decode, div, encode, mul, sqrt};
-use raypath_hdl::{Builder, Error, InputPort, Module, OutputPort, Simulator, Wire, expose_registers};
+use raypath_hdl::{Builder, Error, Module, Simulator, Wire, expose_registers};
 use std::sync::Arc;
 
 /// The results of all units for two operands.
@@ -184,40 +184,17 @@ pub fn unrolled(unit: &Arc<Module>, cycles: u32) -> Result<Arc<Module>, Error> {
 }
 
 /// A bench in the netlist simulator.
-pub struct Bench(Simulated);
+pub struct Bench(Simulator);
 
 impl Bench {
     /// Compiles the bench of these units.
     pub fn new(units: &Units) -> Result<Self, Error> {
-        Simulated::new(&units.bench()?).map(Self)
+        Simulator::new(&units.bench()?).map(Self)
     }
 
     /// The units' results for two operands.
     pub fn run(&mut self, a: u64, b: u64) -> UnitResults {
-        UnitResults::from_outputs(self.0.run([a, b]))
-    }
-}
-
-/// A combinational module in the netlist simulator.
-pub struct Simulated {
-    simulator: Simulator,
-    inputs: Vec<InputPort>,
-    outputs: Vec<OutputPort>,
-}
-
-impl Simulated {
-    /// Compiles the module.
-    pub fn new(module: &Arc<Module>) -> Result<Self, Error> {
-        let simulator = Simulator::new(module)?;
-        let inputs = module.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, _>>()?;
-        let outputs = module.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, _>>()?;
-        Ok(Self { simulator, inputs, outputs })
-    }
-
-    /// The first outputs for these inputs, in the order of the ports; 0 for outputs that the module lacks.
-    pub fn run<const N: usize>(&mut self, inputs: impl IntoIterator<Item = u64>) -> [u64; N] {
-        self.inputs.iter().zip(inputs).for_each(|(input, word)| self.simulator.set(*input, word));
-        self.simulator.settle();
-        std::array::from_fn(|index| self.outputs.get(index).map_or(0, |output| self.simulator.get(*output)))
+        let outputs = self.0.evaluate([a, b]);
+        UnitResults::from_outputs(std::array::from_fn(|place| outputs[place]))
     }
 }

@@ -10,7 +10,7 @@ fn binary32() {
     let (format, mut random) = (Format::BINARY32, generator(4));
     let mut encoder = converter(encode(format));
     for code in edges_of_conversions().chain((0..200_000).map(|_| for_conversions(&mut random))) {
-        let [word] = encoder.run([code.into()]);
+        let word = encoder.evaluate([code.into()])[0];
         assert_eq!(word, by_the_table(code), "encoding {code:#010x}");
         assert_eq!(format.encode(code.into()), word, "encoding {code:#010x} in software");
     }
@@ -40,7 +40,7 @@ fn every_word() {
             for word in 0..1_u64 << width {
                 let code = format.from_f64(word as f64);
                 assert_eq!(format.to_f64(code), word as f64, "{format} has {word}");
-                assert_eq!(unit.run([word]), [format.encode(code)], "{format}, {width} bits: {word}");
+                assert_eq!(unit.evaluate([word]), [format.encode(code)], "{format}, {width} bits: {word}");
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 use raypath_float::{DivSqrt, Format};
-use raypath_hdl::{Error, Module, Simulator};
+use raypath_hdl::{Module, Simulator};
 use raypath_tools::Verilated;
 use raypath_verify_arithmetic::units::operands::{generator, number};
 use std::sync::Arc;
@@ -20,18 +20,13 @@ fn verilator_agrees_in_every_cycle() -> Result<(), Box<dyn std::error::Error>> {
         let verilated = Verilated::build(&module, folder.path())?;
         let frames = frames(&module, seed);
         let mut simulator = Simulator::new(&module)?;
-        let inputs: Vec<_> =
-            module.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, Error>>()?;
-        let outputs: Vec<_> =
-            module.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, Error>>()?;
         let mut results = 0;
         verilated.run(frames.clone(), |cycle, seen| {
             let frame = &frames[cycle];
             simulator.set_reset(frame[0] == 0);
-            inputs.iter().zip(&frame[1..]).for_each(|(input, word)| simulator.set(*input, *word));
+            simulator.set_all(frame[1..].iter().copied());
             simulator.cycle();
-            let expected: Vec<u64> = outputs.iter().map(|output| simulator.get(*output)).collect();
-            assert_eq!(seen, expected, "{} in cycle {cycle}", module.name());
+            assert_eq!(seen, simulator.outputs(), "{} in cycle {cycle}", module.name());
             // Valid and ready.
             results += seen[1] & frame[2];
         })?;

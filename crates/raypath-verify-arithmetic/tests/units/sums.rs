@@ -5,10 +5,11 @@ use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use raypath_float::{Format, sum_parts};
+use raypath_hdl::Simulator;
 use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{Binary32, Circuit, Single};
 use raypath_oracle::exact::Arithmetic;
-use raypath_verify_arithmetic::units::bench::{Simulated, chain};
+use raypath_verify_arithmetic::units::bench::chain;
 
 /// The code of a sum.
 fn expected(format: Format, terms: &[u64]) -> u64 {
@@ -19,7 +20,7 @@ fn expected(format: Format, terms: &[u64]) -> u64 {
 /// The unit whole, and joined from two and from three parts; and the software.
 struct Sums {
     format: Format,
-    units: [Simulated; 3],
+    units: [Simulator; 3],
 }
 
 impl Sums {
@@ -31,8 +32,8 @@ impl Sums {
     fn check(&mut self, terms: &[u64]) {
         let wanted = self.format.encode(expected(self.format, terms));
         for (unit, parts) in self.units.iter_mut().zip(1..) {
-            let [found] = unit.run(terms.iter().map(|&term| self.format.encode(term)));
-            assert_eq!(found, wanted, "{} in {parts} parts: {terms:x?}", self.format);
+            let found = unit.evaluate(terms.iter().map(|&term| self.format.encode(term)));
+            assert_eq!(found, [wanted], "{} in {parts} parts: {terms:x?}", self.format);
         }
         let numbers: Vec<SoftNumber> = terms.iter().map(|&term| SoftNumber(term)).collect();
         let found = Soft { format: self.format }.sum(&numbers).0;

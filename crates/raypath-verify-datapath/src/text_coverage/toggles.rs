@@ -3,7 +3,7 @@
 //! The netlist's simulator counts them: a program of Verilator that does so has 40 MB of C++ for the default datapath.
 
 use super::constants::places;
-use raypath_hdl::{InputPort, Module, Probe, Simulator};
+use raypath_hdl::{Module, Probe, Simulator};
 use raypath_tools::{CoverageKind, CoveragePoint};
 use raypath_verify::Error;
 use std::collections::BTreeMap;
@@ -16,8 +16,6 @@ use std::sync::Arc;
 /// A module that cannot be simulated.
 pub fn toggles(top: &Arc<Module>, runs: &[Vec<Vec<u64>>]) -> Result<Vec<Vec<CoveragePoint>>, Error> {
     let mut simulator = Simulator::observing(top, |_| true)?;
-    let inputs: Result<Vec<InputPort>, _> = top.inputs().iter().map(|port| simulator.input(&port.name)).collect();
-    let inputs = inputs?;
     let places = places(top);
     let modules: BTreeMap<&str, &str> =
         places.iter().flat_map(|(module, paths)| paths.iter().map(|path| (path.as_str(), module.as_str()))).collect();
@@ -35,7 +33,7 @@ pub fn toggles(top: &Arc<Module>, runs: &[Vec<Vec<u64>>]) -> Result<Vec<Vec<Cove
         signals.iter_mut().for_each(Signal::restart);
         for (reset, words) in run.iter().filter_map(|frame| frame.split_first()) {
             simulator.set_reset(*reset == 0);
-            inputs.iter().zip(words).for_each(|(input, word)| simulator.set(*input, *word));
+            simulator.set_all(words.iter().copied());
             simulator.cycle();
             signals.iter_mut().for_each(|signal| signal.look(simulator.peek(signal.probe)));
         }

@@ -2,10 +2,10 @@
 
 use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_hdl::Module;
+use raypath_hdl::{Module, Simulator};
 use raypath_rtl::Config;
 use raypath_verify::Error;
-use raypath_verify_arithmetic::units::bench::{Simulated, UnitResults, chain};
+use raypath_verify_arithmetic::units::bench::{UnitResults, chain};
 use raypath_verify_arithmetic::units::operands::{self, CASES, RECODED_CASES, canonical, generator, host_results};
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ impl Unit {
         let mut parts = self.parts.clone();
         parts[self.part] = module.clone();
         let whole = if parts.len() == 1 { module.clone() } else { chain(&parts)? };
-        let mut bench = Bench { kind: self.kind, unit: Simulated::new(&whole)? };
+        let mut bench = Bench { kind: self.kind, unit: Simulator::new(&whole)? };
         let checks: &[(&'static str, Check)] = match self.kind {
             Kind::Encode | Kind::Decode => &[("unit test, conversions", Bench::converts)],
             _ => &[
@@ -66,31 +66,27 @@ type Check = fn(&mut Bench) -> bool;
 /// A unit in the netlist simulator, and its oracle.
 struct Bench {
     kind: Kind,
-    unit: Simulated,
+    unit: Simulator,
 }
 
 impl Bench {
-    /// The expected outputs, numbers in IEEE 754's format.
-    fn expected(&self, UnitResults { sum, product, less, equal, unordered, .. }: UnitResults) -> [u64; 3] {
+    /// Whether the outputs for these words are those of the results: a number as `of_number` says of the word at the
+    /// output and that of IEEE 754, or relations.
+    fn shows(&mut self, words: [u64; 2], results: UnitResults, of_number: impl Fn(u64, u64) -> bool) -> bool {
+        let UnitResults { sum, product, less, equal, unordered, .. } = results;
+        let outputs = self.unit.evaluate(words);
         match self.kind {
-            Kind::Add => [sum, 0, 0],
-            Kind::Multiply => [product, 0, 0],
-            _ => [less.into(), equal.into(), unordered.into()],
+            Kind::Add => of_number(outputs[0], sum),
+            Kind::Multiply => of_number(outputs[0], product),
+            _ => outputs == [less, equal, unordered].map(u64::from),
         }
-    }
-
-    fn gives_numbers(&self) -> bool {
-        matches!(self.kind, Kind::Add | Kind::Multiply)
     }
 
     /// Whether the results for two binary32 numbers are right.
     fn answers(&mut self, a: u32, b: u32) -> bool {
         let format = Format::BINARY32;
-        let mut shown = self.unit.run([format.encode(a.into()), format.encode(b.into())]);
-        if self.gives_numbers() {
-            shown[0] = format.decode(shown[0]);
-        }
-        shown == self.expected(host_results(f32::from_bits(a), f32::from_bits(b)))
+        let results = host_results(f32::from_bits(a), f32::from_bits(b));
+        self.shows([a, b].map(|code| format.encode(code.into())), results, |word, code| format.decode(word) == code)
     }
 
     fn answers_edges(&mut self) -> bool {
@@ -103,11 +99,7 @@ impl Bench {
         let mut random = generator(5);
         (0..RECODED_CASES).all(|_| {
             let ((a, x), (b, y)) = (operands::recoded(&mut random), operands::recoded(&mut random));
-            let mut expected = self.expected(host_results(x, y));
-            if self.gives_numbers() {
-                expected[0] = Format::BINARY32.encode(expected[0]);
-            }
-            self.unit.run([a, b]) == expected
+            self.shows([a, b], host_results(x, y), |word, code| word == Format::BINARY32.encode(code))
         })
     }
 
@@ -137,8 +129,8 @@ impl Bench {
             operands::edges_of_conversions().chain((0..CASES).map(|_| operands::for_conversions(&mut random)));
         for number in numbers {
             let is_right = match self.kind {
-                Kind::Encode => self.unit.run([number.into()]) == [format.encode(number.into())],
-                _ => self.unit.run([format.encode(number.into())]) == [canonical(f32::from_bits(number))],
+                Kind::Encode => self.unit.evaluate([number.into()]) == [format.encode(number.into())],
+                _ => self.unit.evaluate([format.encode(number.into())]) == [canonical(f32::from_bits(number))],
             };
             if !is_right {
                 return false;
@@ -148,7 +140,7 @@ impl Bench {
         self.kind == Kind::Encode
             || (0..RECODED_CASES).all(|_| {
                 let (word, number) = operands::recoded(&mut random);
-                self.unit.run([word]) == [canonical(number)]
+                self.unit.evaluate([word]) == [canonical(number)]
             })
     }
 }

@@ -24,20 +24,12 @@ fn every_subnormal_is_recoded_and_converted_back() {
     let format = Format::BINARY32;
     let mut encoder = Simulator::new(&encode(format).expect("an encoder")).expect("it runs");
     let mut decoder = Simulator::new(&decode(format).expect("a decoder")).expect("it runs");
-    let [encoder_ports, decoder_ports] = [&encoder, &decoder].map(|simulator| {
-        let (into, out) = (&simulator.module().inputs()[0].name, &simulator.module().outputs()[0].name);
-        (simulator.input(into).expect("an input"), simulator.output(out).expect("an output"))
-    });
     for sign in [0, 1 << 31] {
         for fraction in 1..1 << 23 {
             let code: u32 = sign | fraction;
-            encoder.set(encoder_ports.0, code.into());
-            encoder.settle();
-            let word = encoder.get(encoder_ports.1);
-            assert_eq!(word, recoded(code), "{code:#010x}");
-            decoder.set(decoder_ports.0, word);
-            decoder.settle();
-            assert_eq!(decoder.get(decoder_ports.1), u64::from(code), "{code:#010x} as {word:#x}");
+            let word = recoded(code);
+            assert_eq!(encoder.evaluate([code.into()]), [word], "{code:#010x}");
+            assert_eq!(decoder.evaluate([word]), [u64::from(code)], "{code:#010x} as {word:#x}");
         }
     }
 }

@@ -15,14 +15,10 @@ use std::sync::Arc;
 /// The result of a unit with two inputs, with binary32 at inputs and output.
 fn run(module: &Arc<Module>, cases: &[(f32, f32)]) -> Vec<u32> {
     let mut simulator = Simulator::new(module).expect("it runs");
-    let inputs = ["a_i", "b_i"].map(|name| simulator.input(name).expect("an input"));
-    let output = simulator.output(&module.outputs()[0].name).expect("an output");
     let format = Format::BINARY32;
     let mut answer = |&(a, b): &(f32, f32)| {
-        simulator.set(inputs[0], format.encode(a.to_bits().into()));
-        simulator.set(inputs[1], format.encode(b.to_bits().into()));
-        simulator.settle();
-        format.decode(simulator.get(output)) as u32
+        let words = [a, b].map(|number| format.encode(number.to_bits().into()));
+        format.decode(simulator.evaluate(words)[0]) as u32
     };
     cases.iter().map(&mut answer).collect()
 }

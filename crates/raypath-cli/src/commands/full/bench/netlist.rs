@@ -3,7 +3,7 @@
 use crate::commands::full::bench::result::{Results, seconds};
 use crate::commands::full::bench::workload::Workload;
 use crate::error::CliError;
-use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
+use raypath_hdl::{Module, Simulator};
 use raypath_ops::Job;
 use raypath_rtl::{Config, DatapathNetlist};
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
@@ -24,8 +24,7 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     let mut simulator = Simulator::new(top)?;
     let time = seconds(repetitions.div_ceil(8), || drop(black_box(Simulator::new(black_box(top)))));
     results.rate("netlist, compiling it", "netlists", 1.0 / time, None);
-    let ports = Ports::of(&simulator)?;
-    let per_second = compiled(&mut simulator, &ports, &jobs, RUNS * repetitions);
+    let per_second = compiled(&mut simulator, &jobs, RUNS * repetitions);
     results.rate("netlist, compiled, a mixed job each cycle", "cycles", per_second, None);
     if with_verilator {
         match verilator(top, &jobs, RUNS * repetitions) {
@@ -36,34 +35,15 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     Ok(())
 }
 
-/// All ports of the module, in order of declaration.
-struct Ports {
-    inputs: Vec<InputPort>,
-    outputs: Vec<OutputPort>,
-}
-
-impl Ports {
-    fn of(simulator: &Simulator) -> Result<Self, raypath_hdl::Error> {
-        let top = simulator.module();
-        let inputs = top.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, _>>()?;
-        let outputs = top.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, _>>()?;
-        Ok(Self { inputs, outputs })
-    }
-}
-
 /// The cycles per second, including writes and reads of all ports.
-fn compiled(simulator: &mut Simulator, ports: &Ports, jobs: &[Job], repetitions: usize) -> f64 {
+fn compiled(simulator: &mut Simulator, jobs: &[Job], repetitions: usize) -> f64 {
     let top = simulator.module();
     let stimuli: Vec<Vec<u64>> = jobs.iter().map(|job| stimulus(top, job)).collect();
     let time = seconds(repetitions, || {
         for values in &stimuli {
-            for (input, value) in ports.inputs.iter().zip(values) {
-                simulator.set(*input, black_box(*value));
-            }
+            simulator.set_all(black_box(values).iter().copied());
             simulator.cycle();
-            for output in &ports.outputs {
-                black_box(simulator.get(*output));
-            }
+            black_box(simulator.outputs());
         }
     });
     jobs.len() as f64 / time
