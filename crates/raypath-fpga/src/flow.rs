@@ -112,26 +112,18 @@ impl Flow {
         let script = Script::new(&shell.top, target.device);
         let synthesis_key =
             Key::new("ecp5-synthesis", &[&text, &script.commands, script.map.unwrap_or_default(), &self.yosys.version]);
-        let synthesis = match cache.get(&synthesis_key) {
-            Some(known) => known,
-            None => self.synthesise(&text, &script, top, stop).and_then(|new| kept(&cache, &synthesis_key, new))?,
-        };
+        let synthesis: Synthesis =
+            cache.kept(&synthesis_key, |_| true, || self.synthesise(&text, &script, top, stop))?;
         done.store(1, Ordering::Relaxed);
 
         let arguments = arguments(target);
         let parts = [synthesis_key.as_str(), &arguments.join(" "), CLOCK_PIN, &self.nextpnr.version];
         let layout_key = Key::new("ecp5-layout", &parts);
-        let layout = match cache.get(&layout_key) {
-            Some(known) => known,
-            None => {
-                let new = self.lay_out(&synthesis.netlist, &arguments, design, stop)?;
-                kept(&cache, &layout_key, new)?
-            }
-        };
+        let lay_out = || self.lay_out(&synthesis.netlist, &arguments, design, stop);
+        let Layout { timing, configuration } = cache.kept(&layout_key, |_| true, lay_out)?;
         done.store(2, Ordering::Relaxed);
 
-        let bitstream = self.pack(&layout.configuration, stop)?;
-        let Layout { timing, configuration } = layout;
+        let bitstream = self.pack(&configuration, stop)?;
         let tools = [self.yosys.version.as_str(), self.nextpnr.version.as_str()];
         let report = Report::new(design, tools, target, &synthesis.cells, timing, &stages(shell));
         Ok(Implementation { report, configuration, bitstream })
@@ -208,12 +200,6 @@ fn arguments(target: Target) -> Vec<String> {
 fn stages(shell: &Shell) -> Vec<String> {
     let datapath = shell.top.instances().iter().flat_map(|datapath| datapath.module.instances());
     datapath.map(|instance| instance.stem().to_string()).collect()
-}
-
-/// Keeps a result in the cache.
-fn kept<T: Serialize>(cache: &Cache, key: &Key, result: T) -> Result<T, ToolError> {
-    cache.put(key, &result)?;
-    Ok(result)
 }
 
 fn text_of(folder: &Path, name: &str) -> Result<String, ToolError> {

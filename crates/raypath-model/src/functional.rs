@@ -94,7 +94,7 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
 
     /// A hardware reset: the accumulators are zero.
     pub fn reset(&mut self) {
-        *self = Self::over(self.circuit, self.rules).rounding(self.rounding);
+        (self.euclidean, self.angular) = (EuclideanState::zero(self.circuit), AngularState::zero(self.circuit));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Native binary32 arithmetic.
 
-use crate::{Bit, Circuit, Concrete, Flags, Layout, Num, Word};
+use crate::{Bit, Flags, Layout, Num, Word};
 use std::fmt;
 
 /// IEEE 754 binary32, computed by the floating-point instructions of the machine.
@@ -11,61 +11,11 @@ pub struct Binary32;
 #[derive(Clone, Copy, Default)]
 pub struct Single(pub f32);
 
-impl Single {
-    /// The number's bits; a NaN becomes the canonical NaN.
-    #[inline(always)]
-    pub fn to_bits(self) -> u32 {
-        if self.0.is_nan() { 0x7fc0_0000 } else { self.0.to_bits() }
-    }
-}
-
-impl PartialEq for Single {
-    fn eq(&self, other: &Self) -> bool {
-        self.to_bits() == other.to_bits()
-    }
-}
+crate::native_circuit!(Binary32, Single(f32), u32, Layout::BINARY32, 0x7fc0_0000);
 
 impl fmt::Debug for Single {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:08x} ({:e})", self.to_bits(), self.0)
-    }
-}
-
-impl Circuit for Binary32 {
-    crate::native_numbers!(Single(f32));
-
-    #[inline(always)]
-    fn add(self, a: Single, b: Single) -> Single {
-        Single(a.0 + b.0)
-    }
-    #[inline]
-    fn sum(self, terms: &[Single]) -> Single {
-        Single(f32::from_bits(Layout::BINARY32.sum(terms.iter().map(|term| term.0.to_bits().into())) as u32))
-    }
-    #[inline(always)]
-    fn subtract(self, a: Single, b: Single) -> Single {
-        Single(a.0 - b.0)
-    }
-    #[inline(always)]
-    fn multiply(self, a: Single, b: Single) -> Single {
-        Single(a.0 * b.0)
-    }
-
-    crate::known_bits_and_words!();
-}
-
-impl Concrete for Binary32 {
-    #[inline(always)]
-    fn number(self, ieee_bits: u64) -> Single {
-        Single(f32::from_bits(ieee_bits as u32))
-    }
-    #[inline(always)]
-    fn bits(self, number: Single) -> u64 {
-        number.to_bits().into()
-    }
-    #[inline(always)]
-    fn raw_bits(self, number: Single) -> u64 {
-        number.0.to_bits().into()
     }
 }
 

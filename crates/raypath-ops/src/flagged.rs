@@ -1,6 +1,6 @@
 //! Binary32 arithmetic with exception flags.
 
-use crate::{Binary32, Circuit, Concrete, Single};
+use crate::{Circuit, Concrete, Layout, Single};
 use std::cell::Cell;
 
 /// IEEE 754 binary32 that records the exceptions of additions, subtractions and multiplications in a cell. Set the cell
@@ -46,7 +46,8 @@ impl Flagged<'_> {
 }
 
 impl Circuit for Flagged<'_> {
-    crate::native_numbers!(Single(f32));
+    // A sum that rounds once records none: no configuration has both.
+    crate::native_numbers!(Single(f32), u32, Layout::BINARY32);
 
     #[inline]
     fn add(self, a: Single, b: Single) -> Single {
@@ -56,11 +57,6 @@ impl Circuit for Flagged<'_> {
         let rounded_y = sum - x;
         let lost = (x - (sum - rounded_y)) + (y - rounded_y);
         self.note([a, b], Single(a.0 + b.0), sum, lost)
-    }
-    /// Without its exceptions: no configuration has sums that round once and exception flags.
-    #[inline]
-    fn sum(self, terms: &[Single]) -> Single {
-        Binary32.sum(terms)
     }
     #[inline]
     fn subtract(self, a: Single, b: Single) -> Single {
@@ -75,16 +71,5 @@ impl Circuit for Flagged<'_> {
 }
 
 impl Concrete for Flagged<'_> {
-    #[inline]
-    fn number(self, ieee_bits: u64) -> Single {
-        Binary32.number(ieee_bits)
-    }
-    #[inline]
-    fn bits(self, number: Single) -> u64 {
-        Binary32.bits(number)
-    }
-    #[inline]
-    fn raw_bits(self, number: Single) -> u64 {
-        Binary32.raw_bits(number)
-    }
+    crate::native_bits!(Single(f32), u32);
 }

@@ -5,9 +5,6 @@ use crate::{
     Angular, AngularOutput, BeatInput, Binary32, Bundle, Concrete, Euclidean, EuclideanOutput, Operation, Path, Port,
     PortValue, RayBox, RayBoxInput, RayBoxOutput, RayTriangle, RayTriangleInput, RayTriangleOutput, Source,
 };
-use std::fmt;
-use std::str::FromStr;
-use thiserror::Error;
 
 /// The paper's operations. The discriminant is the opcode (`docs/integration/ports.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -58,35 +55,18 @@ impl JobKind {
     pub fn opcode(self) -> u64 {
         self as u64
     }
-
-    /// The name of its operation.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Triangle => RayTriangle::NAME,
-            Self::Quadbox => RayBox::NAME,
-            Self::Euclidean => Euclidean::<16>::NAME,
-            Self::Angular => Angular::<8>::NAME,
-        }
-    }
 }
 
-impl fmt::Display for JobKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
+names! {
+    JobKind {
+        Triangle = RayTriangle::NAME,
+        Quadbox = RayBox::NAME,
+        Euclidean = Euclidean::<16>::NAME,
+        Angular = Angular::<8>::NAME
+    },
+    /// The error of a name that is not one of the paper's operations.
+    ParseJobKindError, "'{0}' is not a valid kind of job, expected triangle, quadbox, euclidean or angular"
 }
-
-impl FromStr for JobKind {
-    type Err = ParseJobKindError;
-    fn from_str(name: &str) -> Result<Self, ParseJobKindError> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| ParseJobKindError(name.to_string()))
-    }
-}
-
-/// The error of a name that is not one of the paper's operations.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is not a valid kind of job, expected triangle, quadbox, euclidean or angular")]
-pub struct ParseJobKindError(String);
 
 /// Evaluates an expression for the values of any variant of a job or an outcome.
 macro_rules! each_variant {

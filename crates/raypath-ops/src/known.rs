@@ -48,11 +48,75 @@ macro_rules! known_bits_and_words {
     };
 }
 
+/// Implements [`Circuit`](crate::Circuit) and [`Concrete`](crate::Concrete) by the machine's instructions for numbers
+/// that are a tuple structure `$number` of the native type `$float`, with the bits `$bits` and the layout `$layout`. Two
+/// numbers are equal if their bits are; all NaNs are equal to the canonical one, `$nan`.
+#[macro_export]
+macro_rules! native_circuit {
+    ($circuit:ident, $number:ident($float:ty), $bits:ty, $layout:expr, $nan:literal) => {
+        impl $number {
+            /// The number's bits; a NaN becomes the canonical NaN.
+            #[inline(always)]
+            pub fn to_bits(self) -> $bits {
+                if self.0.is_nan() { $nan } else { self.0.to_bits() }
+            }
+        }
+
+        impl PartialEq for $number {
+            fn eq(&self, other: &Self) -> bool {
+                self.to_bits() == other.to_bits()
+            }
+        }
+
+        impl $crate::Circuit for $circuit {
+            $crate::native_numbers!($number($float), $bits, $layout);
+
+            #[inline(always)]
+            fn add(self, a: $number, b: $number) -> $number {
+                $number(a.0 + b.0)
+            }
+            #[inline(always)]
+            fn subtract(self, a: $number, b: $number) -> $number {
+                $number(a.0 - b.0)
+            }
+            #[inline(always)]
+            fn multiply(self, a: $number, b: $number) -> $number {
+                $number(a.0 * b.0)
+            }
+
+            $crate::known_bits_and_words!();
+        }
+
+        impl $crate::Concrete for $circuit {
+            $crate::native_bits!($number($float), $bits);
+        }
+    };
+}
+
+/// The methods of [`Concrete`](crate::Concrete) for such numbers. Use it inside the `impl` block.
+#[macro_export]
+macro_rules! native_bits {
+    ($number:ident($float:ty), $bits:ty) => {
+        #[inline(always)]
+        fn number(self, ieee_bits: u64) -> $number {
+            $number(<$float>::from_bits(ieee_bits as $bits))
+        }
+        #[inline(always)]
+        fn bits(self, number: $number) -> u64 {
+            number.to_bits().into()
+        }
+        #[inline(always)]
+        fn raw_bits(self, number: $number) -> u64 {
+            number.0.to_bits().into()
+        }
+    };
+}
+
 /// The types and number methods of [`Circuit`](crate::Circuit), except addition, subtraction and multiplication, for
-/// numbers that are a tuple structure `$number` of the native type `$float`. Use it inside the `impl` block.
+/// such numbers. Use it inside the `impl` block.
 #[macro_export]
 macro_rules! native_numbers {
-    ($number:ident($float:ty)) => {
+    ($number:ident($float:ty), $bits:ty, $layout:expr) => {
         type Num = $number;
         type Bit = bool;
         type Word = u32;
@@ -67,10 +131,12 @@ macro_rules! native_numbers {
             $number(ulps as $float * <$float>::EPSILON)
         }
         #[inline]
+        fn sum(self, terms: &[$number]) -> $number {
+            $number(<$float>::from_bits($layout.sum(terms.iter().map(|term| term.0.to_bits().into())) as $bits))
+        }
+        #[inline]
         fn residue(self, _product: $number, a: $number, b: $number) -> u32 {
-            let (significand, bits) = (<$float>::MANTISSA_DIGITS, 8 * size_of::<$float>() as u32);
-            $crate::Layout { exponent: bits - significand, significand }
-                .residue(a.0.to_bits().into(), b.0.to_bits().into())
+            $layout.residue(a.0.to_bits().into(), b.0.to_bits().into())
         }
         #[inline(always)]
         fn negate(self, a: $number) -> $number {

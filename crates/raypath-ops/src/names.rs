@@ -2,12 +2,19 @@
 #[doc(hidden)]
 #[macro_export]
 macro_rules! names {
-    ($type:ident { $($variant:ident = $name:literal),* }, $(#[$doc:meta])* $error:ident, $message:literal) => {
+    ($type:ident { $($variant:ident = $name:expr),* }, $(#[$doc:meta])* $error:ident, $message:literal) => {
+        impl $type {
+            /// Its name.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+        }
+
         impl std::fmt::Display for $type {
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str(match self {
-                    $(Self::$variant => $name,)*
-                })
+                f.write_str(self.name())
             }
         }
 
@@ -15,7 +22,7 @@ macro_rules! names {
             type Err = $error;
             fn from_str(name: &str) -> Result<Self, $error> {
                 match name {
-                    $($name => Ok(Self::$variant),)*
+                    $(name if name == $name => Ok(Self::$variant),)*
                     _ => Err($error(name.to_string())),
                 }
             }

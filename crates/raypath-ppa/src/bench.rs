@@ -54,22 +54,35 @@ impl Bench {
         let blocks = new_blocks(&wanted, &cache);
         let (synthesised, total) = (blocks.len() as u64, (blocks.len() + wanted.len()) as u64);
 
-        let synthesise = |(plan, block): &(&Plan<'_>, usize), stop: &AtomicBool| {
-            unless_stopped(self.netlist(plan, *block, &cache, stop).map(|_| ()))
-        };
-        all(pool::map(&blocks, self.jobs, &mut |blocks| proceed(Progress { total, ..blocks }), synthesise)?)?;
+        let mut synthesising = |blocks| proceed(Progress { total, ..blocks });
+        self.each(&blocks, &mut synthesising, |(plan, block), stop| {
+            self.netlist(plan, *block, &cache, stop).map(|_| ())
+        })?;
 
         let known = (plans.len() - wanted.len()) as u64;
         let mut reported =
             |plans: Progress| proceed(Progress { done: synthesised + plans.done.saturating_sub(known), total });
-        let report = |plan: &Plan<'_>, stop: &AtomicBool| match cache.get(&plan.key) {
-            Some(report) => Ok::<_, Error>(Some(report)),
-            None => unless_stopped(self.report(plan, &cache, stop).and_then(|report| {
-                cache.put(&plan.key, &report)?;
-                Ok(report)
-            })),
-        };
-        Ok(all(pool::map(&plans, self.jobs, &mut reported, report)?)?)
+        self.each(&plans, &mut reported, |plan, stop| {
+            cache.kept(&plan.key, |_| true, || self.report(plan, &cache, stop))
+        })
+    }
+
+    /// The results of `work` on each item, some at a time.
+    ///
+    /// # Errors
+    /// An error that ended the run, not its consequence that tools were stopped; else [`ToolError::Stopped`] if the
+    /// user stopped it.
+    pub(crate) fn each<I: Sync, T: Send>(
+        &self,
+        items: &[I],
+        proceed: &mut dyn FnMut(Progress) -> bool,
+        work: impl Fn(&I, &AtomicBool) -> Result<T, Error> + Sync,
+    ) -> Result<Vec<T>, Error> {
+        let results = pool::map(items, self.jobs, proceed, |item, stop| match work(item, stop) {
+            Err(Error::Tool(ToolError::Stopped)) => Ok(None),
+            other => other.map(Some),
+        })?;
+        Ok(results.into_iter().collect::<Option<_>>().ok_or(ToolError::Stopped)?)
     }
 
     pub(crate) fn plan<'d>(&self, design: &'d Design) -> Result<Plan<'d>, Error> {
@@ -105,14 +118,7 @@ impl Bench {
         stop: &AtomicBool,
     ) -> Result<Netlist, Error> {
         let (block, key) = &plan.blocks[block];
-        match cache.get(key) {
-            Some(netlist) => Ok(netlist),
-            None => {
-                let netlist = self.synthesise(block, &plan.registers, stop)?;
-                cache.put(key, &netlist)?;
-                Ok(netlist)
-            }
-        }
+        cache.kept(key, |_| true, || self.synthesise(block, &plan.registers, stop))
     }
 
     /// The synthesised top module of a design, and its units by name.
@@ -201,15 +207,9 @@ impl Bench {
         let registers = (0..groups.len()).filter(|group| flip_flops[*group] > 0).map(Some);
         let ends: Vec<Option<usize>> = registers.chain([None]).collect();
 
-        let folder = temporary_folder()?;
-        let folder = folder.path();
         let text = structural::design(top, units, |index| structural::cell_name(index, &attribution.roles[index]));
-        write(&folder.join(timing::NETLIST), &text)?;
-        write(&folder.join(timing::LIBRARY), &self.library.text)?;
-        write(&folder.join(timing::SCRIPT), &timing::script(&top.module, &self.library, self.period, &ends))?;
-        self.sta.run(folder, timing::SCRIPT, timing::LOG, &top.module, stop)?;
-        let log = folder.join(timing::LOG);
-        let said = read_within(&log, MAX_STA_OUTPUT)?;
+        let script = timing::script(&top.module, &self.library, self.period, &ends);
+        let said = self.analyse(&top.module, &text, &script, MAX_STA_OUTPUT, stop)?;
         let found = timing::paths(&String::from_utf8_lossy(&said), ends.len())?;
 
         let mut slowest: Vec<Option<Path>> = vec![None; groups.len()];
@@ -222,18 +222,23 @@ impl Bench {
         }
         Ok(slowest)
     }
-}
 
-/// All results; an error if one was left out, because the user stopped the work.
-pub(crate) fn all<T>(results: Vec<Option<T>>) -> Result<Vec<T>, ToolError> {
-    results.into_iter().collect::<Option<_>>().ok_or(ToolError::Stopped)
-}
-
-/// No result if the run ended while a tool ran: an error that ended the run is reported, not its consequence.
-pub(crate) fn unless_stopped<T>(result: Result<T, Error>) -> Result<Option<T>, Error> {
-    match result {
-        Err(Error::Tool(ToolError::Stopped)) => Ok(None),
-        other => other.map(Some),
+    /// OpenSTA's output, of at most `limit` bytes, for a script about a netlist.
+    pub(crate) fn analyse(
+        &self,
+        top: &str,
+        netlist: &str,
+        script: &str,
+        limit: u64,
+        stop: &AtomicBool,
+    ) -> Result<Vec<u8>, ToolError> {
+        let folder = temporary_folder()?;
+        let folder = folder.path();
+        write(&folder.join(timing::NETLIST), netlist)?;
+        write(&folder.join(timing::LIBRARY), &self.library.text)?;
+        write(&folder.join(timing::SCRIPT), script)?;
+        self.sta.run(folder, timing::SCRIPT, timing::LOG, top, stop)?;
+        read_within(&folder.join(timing::LOG), limit)
     }
 }
 

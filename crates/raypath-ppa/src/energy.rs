@@ -9,7 +9,7 @@ use crate::Error;
 use crate::gates::Gates;
 use crate::library::Library;
 use crate::structural;
-use crate::timing::{LIBRARY, NETLIST};
+use crate::timing::{begin, number};
 use raypath_tools::ToolError;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -49,13 +49,6 @@ pub struct Energies {
 /// The commands for OpenSTA: ports, loads and drivers as for timing.
 pub fn script(top: &str, library: &Library) -> String {
     let lines = [
-        format!("read_liberty {LIBRARY}"),
-        format!("read_verilog {NETLIST}"),
-        format!("link_design {top}"),
-        "set_cmd_units -time ns -capacitance fF".to_string(),
-        format!("create_clock -name clk -period {PERIOD} [get_ports clk_i]"),
-        "set_input_delay 0 -clock clk [all_inputs]".to_string(),
-        "set_output_delay 0 -clock clk [all_outputs]".to_string(),
         // Not the clock, which has no tree: one buffer would drive all flip-flops, whose energy rises with the slew.
         "foreach port [all_inputs] {".to_string(),
         "  if {[get_property $port full_name] eq \"clk_i\"} { continue }".to_string(),
@@ -70,7 +63,7 @@ pub fn script(top: &str, library: &Library) -> String {
         format!("puts \"{TOTALS} [lindex $power 1] [lindex $power 2]\""),
         "exit".to_string(),
     ];
-    lines.join("\n") + "\n"
+    [&begin(top, PERIOD)[..], &lines].concat().join("\n") + "\n"
 }
 
 /// Before OpenSTA's sums of switching and leakage power, in watts.
@@ -235,9 +228,4 @@ impl<'g> Reader<'g> {
             Pin::Other => {}
         }
     }
-}
-
-/// A finite number.
-fn number(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|number: &f64| number.is_finite())
 }

@@ -1,12 +1,11 @@
 //! The gates of units as modules of the netlist layer, for proofs that they compute what the units' text says.
 
-use crate::bench::{all, unless_stopped};
 use crate::gates::{Cell, Gates, ONE, ZERO};
 use crate::logic::Output;
 use crate::{Bench, Design, Error};
 use raypath_hdl::{Builder, Module, Wire, verilog};
 use raypath_tools::{Cache, ToolError};
-use raypath_work::pool::{self, Progress};
+use raypath_work::pool::Progress;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -33,13 +32,11 @@ impl Bench {
         let of = |block: usize| modules.iter().find(|module| module.name() == plan.blocks[block].0.module);
         let units = (0..plan.blocks.len()).filter(|&block| plan.blocks[block].0.is_unit);
         let units: Vec<(usize, Arc<Module>)> = units.filter_map(|block| Some((block, of(block)?.clone()))).collect();
-        let synthesise = |(block, unit): &(usize, Arc<Module>), stop: &std::sync::atomic::AtomicBool| {
-            unless_stopped(self.netlist(&plan, *block, &cache, stop).and_then(|netlist| {
-                let gates = Gates::new(&netlist, &BTreeMap::new(), &self.library)?;
-                Ok(SynthesisedUnit { unit: unit.clone(), gates })
-            }))
-        };
-        Ok(all(pool::map(&units, self.jobs, proceed, synthesise)?)?)
+        self.each(&units, proceed, |(block, unit), stop| {
+            let netlist = self.netlist(&plan, *block, &cache, stop)?;
+            let gates = Gates::new(&netlist, &BTreeMap::new(), &self.library)?;
+            Ok(SynthesisedUnit { unit: unit.clone(), gates })
+        })
     }
 }
 

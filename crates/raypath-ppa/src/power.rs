@@ -2,14 +2,14 @@
 
 use crate::activity::{Activity, GateSimulator, STREAMS, Workload};
 use crate::attribution::{Attribution, Share};
-use crate::bench::{Plan, all, stage_name, unless_stopped};
+use crate::bench::{Plan, stage_name};
 use crate::energy::{self, CellEnergy, Energies};
 use crate::gates::{Cell, Gates, NetId};
 use crate::netlist::Netlist;
 use crate::report::{Power, StagePower, WorkloadPower};
-use crate::{Bench, Design, Error, Report, saif, structural, timing};
-use raypath_tools::{Cache, Key, ToolError, read_within, temporary_folder, write};
-use raypath_work::pool::{self, Progress};
+use crate::{Bench, Design, Error, Report, saif, structural};
+use raypath_tools::{Cache, Key, ToolError};
+use raypath_work::pool::Progress;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
@@ -56,9 +56,8 @@ impl Bench {
         let plan = self.plan(design)?;
         let total = workloads.len() as u64 + 1;
         let mut at_first = |steps: Progress| proceed(Progress { total, ..steps });
-        let prepared =
-            pool::map(&[()], 1, &mut at_first, |(), stop: &AtomicBool| unless_stopped(self.prepared(&plan, stop)))?;
-        let Some(Prepared { top, units, gates, netlist, shares, names, energies }) = all(prepared)?.pop() else {
+        let mut prepared = self.each(&[()], &mut at_first, |(), stop| self.prepared(&plan, stop))?;
+        let Some(Prepared { top, units, gates, netlist, shares, names, energies }) = prepared.pop() else {
             return Err(ToolError::Stopped.into());
         };
 
@@ -69,11 +68,11 @@ impl Bench {
         let simulate = |workload: &Workload, stop: &AtomicBool| {
             let free = pool().pop();
             let mut simulator = free.map_or_else(|| GateSimulator::new(&gates, design.netlist()), Ok)?;
-            let activity = unless_stopped(simulator.run(workload, stop).map_err(Error::from));
+            let activity = simulator.run(workload, stop);
             pool().push(simulator);
-            activity
+            Ok(activity?)
         };
-        let activities = all(pool::map(workloads, self.jobs, &mut then, simulate)?)?;
+        let activities = self.each(workloads, &mut then, simulate)?;
 
         let parts = Parts {
             gates: &gates,
@@ -114,33 +113,12 @@ impl Bench {
 
         let script = energy::script(plan.design.top(), &self.library);
         let key = Key::new("energies", &[plan.key.as_str(), &script]);
-        let energies = match cache.get(&key) {
-            Some(energies) => energies,
-            None => {
-                let energies = self.energies(plan.design.top(), &gates, &netlist, &script, stop)?;
-                cache.put(&key, &energies)?;
-                energies
-            }
+        let analyse = || {
+            let said = self.analyse(plan.design.top(), &netlist, &script, MAX_STA_OUTPUT, stop)?;
+            energy::energies(&String::from_utf8_lossy(&said), &gates)
         };
+        let energies = cache.kept(&key, |_| true, analyse)?;
         Ok(Prepared { top, units, gates, netlist, shares, names, energies })
-    }
-
-    fn energies(
-        &self,
-        top: &str,
-        gates: &Gates,
-        netlist: &str,
-        script: &str,
-        stop: &AtomicBool,
-    ) -> Result<Energies, Error> {
-        let folder = temporary_folder()?;
-        let folder = folder.path();
-        write(&folder.join(timing::NETLIST), netlist)?;
-        write(&folder.join(timing::LIBRARY), &self.library.text)?;
-        write(&folder.join(timing::SCRIPT), script)?;
-        self.sta.run(folder, timing::SCRIPT, timing::LOG, top, stop)?;
-        let said = read_within(&folder.join(timing::LOG), MAX_STA_OUTPUT)?;
-        energy::energies(&String::from_utf8_lossy(&said), gates)
     }
 }
 

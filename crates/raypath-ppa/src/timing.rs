@@ -26,18 +26,12 @@ const MARK: &str = "raypath paths:";
 /// The commands for OpenSTA. Ports switch at the clock edge, resets are false paths, the clock and wires are ideal.
 /// `ends` are the sets of endpoints: the registers of a group, or the output ports.
 pub fn script(top: &str, library: &Library, period: f64, ends: &[Option<usize>]) -> String {
-    let mut lines = vec![
-        format!("read_liberty {LIBRARY}"),
-        format!("read_verilog {NETLIST}"),
-        format!("link_design {top}"),
-        "set_cmd_units -time ns -capacitance fF".to_string(),
-        format!("create_clock -name clk -period {period} [get_ports clk_i]"),
-        "set_input_delay 0 -clock clk [all_inputs]".to_string(),
-        "set_output_delay 0 -clock clk [all_outputs]".to_string(),
+    let mut lines = begin(top, period).to_vec();
+    lines.extend([
         format!("set_driving_cell -lib_cell {} [all_inputs]", library.buffer),
         format!("set_load {} [all_outputs]", library.load),
         "set_false_path -from [get_ports rst_ni]".to_string(),
-    ];
+    ]);
     for (number, end) in ends.iter().enumerate() {
         lines.push(format!("puts \"{MARK} {number}\""));
         let to = match end {
@@ -48,6 +42,19 @@ pub fn script(top: &str, library: &Library, period: f64, ends: &[Option<usize>])
     }
     lines.push("exit".to_string());
     lines.join("\n") + "\n"
+}
+
+/// The commands that read a design and constrain its ports.
+pub fn begin(top: &str, period: f64) -> [String; 7] {
+    [
+        format!("read_liberty {LIBRARY}"),
+        format!("read_verilog {NETLIST}"),
+        format!("link_design {top}"),
+        "set_cmd_units -time ns -capacitance fF".to_string(),
+        format!("create_clock -name clk -period {period} [get_ports clk_i]"),
+        "set_input_delay 0 -clock clk [all_inputs]".to_string(),
+        "set_output_delay 0 -clock clk [all_outputs]".to_string(),
+    ]
 }
 
 /// The slowest path to each set of endpoints, as [`script`] requested it; None where there is no path. `ends` is the
@@ -95,7 +102,7 @@ fn path(report: &str) -> Option<Option<RawPath>> {
 }
 
 /// A finite number.
-fn number(text: &str) -> Option<f64> {
+pub fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|time: &f64| time.is_finite())
 }
 

@@ -76,6 +76,26 @@ impl Cache {
         Ok(())
     }
 
+    /// The kept result, or that of `compute`, which is kept if `is_final` says so.
+    ///
+    /// # Errors
+    /// Those of `compute`; the result cannot be written.
+    pub fn kept<T: Serialize + DeserializeOwned, E: From<ToolError>>(
+        &self,
+        key: &Key,
+        is_final: impl FnOnce(&T) -> bool,
+        compute: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
+        if let Some(result) = self.get(key) {
+            return Ok(result);
+        }
+        let result = compute()?;
+        if is_final(&result) {
+            self.put(key, &result)?;
+        }
+        Ok(result)
+    }
+
     fn path(&self, key: &Key) -> PathBuf {
         self.folder.join(format!("{}.json.gz", key.0))
     }

@@ -318,14 +318,9 @@ impl DataflowProver {
     ) -> Result<Option<Vec<String>>, Error> {
         let parts: Vec<&str> = std::iter::once(&solver.version).chain(questions).map(String::as_str).collect();
         let key = Key::new("smt", &parts);
-        if let Some(known) = self.answers.get(&key) {
-            return Ok(Some(known));
-        }
-        let answers = solver.run(temporary_folder()?.path(), questions, limit, stop)?;
-        let answers = answers.map(|text| text.split_whitespace().map(str::to_string).collect());
-        if let Some(answers) = &answers {
-            self.answers.put(&key, answers)?;
-        }
-        Ok(answers)
+        self.answers.kept(&key, Option::is_some, || {
+            let answers = solver.run(temporary_folder()?.path(), questions, limit, stop)?;
+            Ok(answers.map(|text| text.split_whitespace().map(str::to_string).collect()))
+        })
     }
 }

@@ -15,7 +15,7 @@ use datapath::Design;
 use raypath_hdl::text::plain;
 use raypath_hdl::{Module, verilog, with_enables};
 use raypath_tools::{CoverageKind, CoveragePoint, Options, Sources, Verilated, temporary_folder, versions};
-use raypath_verify::proofs::{cache, kept};
+use raypath_verify::proofs::cache;
 use raypath_verify::{Error, Level, Request, Verdict, files};
 use raypath_work::pool;
 use reachable::Text;
@@ -92,7 +92,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
             let (design, runs) = (Design::new(choice)?, level.pick(1, 2, 16));
             let key = design.key(runs, seed, &format!("{choice} {has_controls} {BAR} {BELOW:?} {versions:?}"))?;
             let compute = || Found::of(choice, &design, runs, seed, has_controls);
-            Ok::<_, Error>(Some(kept(&cache(), &key, |found: &Found| found.failures.is_empty(), compute)?))
+            Ok::<_, Error>(Some(cache().kept(&key, |found: &Found| found.failures.is_empty(), compute)?))
         })
     })?;
     let mut verdict = Verdict::default();

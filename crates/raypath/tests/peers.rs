@@ -9,7 +9,7 @@
 //! | flat boxes missed | the original's `tmin < tmax`; jspatial, issue 7 (a ray in a box's face) | `semantics/rule_4_touching.rs` (`flat_boxes_are_hit`), `semantics/rule_2_slab_nan.rs` (`a_flat_box_is_hit_by_a_ray_in_its_plane`) |
 //! | 0·∞ in slabs: a ray in a face's plane hits or misses by chance | Embree, pull request 589; bvh (Rust), issue 140; ArborX, pull request 1226 | `semantics/rule_2_slab_nan.rs` (`all_six_distances_nan_by_zero_times_infinity`, `each_nan_is_ignored_alone_and_with_others`) |
 //! | a NaN that is a hit | the original's triangle test | `semantics/rule_6_triangle_hit.rs` (`a_nan_among_the_edges_misses_but_hits_in_the_original`, `a_nan_t_num_misses_but_hits_in_the_original`) |
-//! | the sign of a sum or product that is zero | BlackParrot, pull request 1161; RSD, issue 92; libm (Rust), pull request 493 | [`sign_of_zero`]; all operands in `raypath verify unit-proofs` |
+//! | the sign of a sum or product that is zero | BlackParrot, pull request 1161; RSD, issue 92; libm (Rust), pull request 493 | zeros, cancellations and products that underflow in `raypath verify testfloat`; all operands in `unit-proofs` |
 //! | leading zeros of subnormals miscounted | Hercules, issue 29 (SoftFloat's normalisation, a count below zero) | [`every_subnormal`] |
 //! | an unusual number of lanes: 1, or not a power of two, or more than tested | Spatz, pull request 86 (reductions over 8 lanes) | [`lane_counts`] |
 //! | another latency in the model than in the hardware | without a published source | [`latency`]; for every pair of values the item `configurations` |
@@ -17,4 +17,3 @@
 mod every_subnormal;
 mod lane_counts;
 mod latency;
-mod sign_of_zero;

@@ -1,11 +1,10 @@
 //! The areas of units, each synthesised once for all configurations, and what is known of a configuration.
 
-use crate::bench::{all, unless_stopped};
+use crate::attribution::cell_area;
 use crate::{Bench, Design, Error, Report};
 use raypath_tools::{Cache, Key, digest};
-use raypath_work::pool::{self, Progress};
+use raypath_work::pool::Progress;
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
 
 impl Bench {
     /// The report of a design, if the cache has it.
@@ -40,15 +39,12 @@ impl Bench {
             }
         }
         let units: Vec<_> = units.into_iter().collect();
-        let synthesise = |(unit, (plan, place)): &(String, (&crate::bench::Plan<'_>, usize)), stop: &AtomicBool| {
-            unless_stopped(self.netlist(plan, *place, &cache, stop).and_then(|netlist| {
-                let cells = netlist.cells.iter().filter_map(|instance| self.library.cell(&instance.cell));
-                let area: f64 = cells.map(|cell| cell.area).sum();
-                cache.put(&self.unit_key(unit), &area)?;
-                Ok((unit.clone(), area))
-            }))
-        };
-        Ok(all(pool::map(&units, self.jobs, &mut proceed, synthesise)?)?.into_iter().collect())
+        let areas = self.each(&units, &mut proceed, |(unit, (plan, place)), stop| {
+            let area = cell_area(&self.netlist(plan, *place, &cache, stop)?, &self.library);
+            cache.put(&self.unit_key(unit), &area)?;
+            Ok((unit.clone(), area))
+        })?;
+        Ok(areas.into_iter().collect())
     }
 
     fn unit_key(&self, unit: &str) -> Key {

@@ -122,7 +122,8 @@ fn measured(top: &Netlist, text: &Arc<raypath_hdl::Module>, workload: &Workload)
     };
     let verilog = structural::design(top, &BTreeMap::new(), |index| format!("x{index}"));
     let script = energy::script(&top.module, &bench.library);
-    let energies = bench.energies(&top.module, &gates, &verilog, &script, &never).expect("energies");
+    let said = bench.analyse(&top.module, &verilog, &script, MAX_STA_OUTPUT, &never).expect("a log");
+    let energies = energy::energies(&String::from_utf8_lossy(&said), &gates).expect("energies");
     let share = Share { group: 0, kind: crate::attribution::Kind::SharedLogic };
     let parts = Parts {
         gates: &gates,

@@ -1,9 +1,10 @@
 //! Lints a module, and runs it in both simulators with the same stimuli.
 
 use crate::verilator::frames::agree_in_frames;
-use rand::RngExt;
+use crate::verilator::netlists::WIDTHS;
 use rand::rngs::ChaCha8Rng;
-use raypath_hdl::Module;
+use rand::{RngExt, SeedableRng};
+use raypath_hdl::{Builder, Module};
 use raypath_tools::{Sources, Verilated};
 use std::sync::Arc;
 
@@ -13,6 +14,21 @@ pub fn agree(top: &Arc<Module>, random: &mut ChaCha8Rng, cycles: usize) {
     Sources::write(top, folder.path()).expect("sources").lint().unwrap_or_else(|fault| panic!("{fault}"));
     let frames = frames(top, random, cycles);
     agree_in_frames(top, &Verilated::build(top, folder.path()).unwrap_or_else(|fault| panic!("{fault}")), &frames);
+}
+
+/// Compares the modules side by side in one top module, which drives the inputs of all.
+pub fn agree_side_by_side(modules: impl IntoIterator<Item = Arc<Module>>) {
+    let m = Builder::new("side_by_side");
+    let inputs: Vec<_> = WIDTHS.iter().enumerate().map(|(n, &width)| m.input(&format!("in{n}_i"), width)).collect();
+    for module in modules {
+        let names: Vec<String> = module.inputs().iter().map(|port| port.name.clone()).collect();
+        let ports: Vec<_> = names.iter().map(String::as_str).zip(inputs.iter().copied()).collect();
+        let outputs = m.instance(&format!("u_{}", module.name()), &module, &ports);
+        for (n, output) in outputs.into_iter().enumerate() {
+            m.output(&format!("{}_{n}_o", module.name()), output);
+        }
+    }
+    agree(&m.finish().expect("a top"), &mut ChaCha8Rng::seed_from_u64(3), 5_000);
 }
 
 /// Random words, a third of them corner cases: zero, all ones, one, the top bit.

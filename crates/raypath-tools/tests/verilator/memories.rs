@@ -1,7 +1,7 @@
 //! Memories in Verilator, and in Yosys, which infers them.
 
-use crate::verilator::compare::agree;
-use crate::verilator::netlists::{Contents, WIDTHS, netlist};
+use crate::verilator::compare::{agree, agree_side_by_side};
+use crate::verilator::netlists::{Contents, netlist};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Builder, Module, expand_memories};
@@ -45,19 +45,10 @@ fn expanded_memories_agree() {
 #[test]
 fn random_netlists_with_memories() {
     let mut random = ChaCha8Rng::seed_from_u64(4);
-    let m = Builder::new("side_by_side");
-    let inputs: Vec<_> = WIDTHS.iter().enumerate().map(|(n, &width)| m.input(&format!("in{n}_i"), width)).collect();
-    for seed in 0..8 {
+    agree_side_by_side((0..8).map(|seed| {
         let contents = Contents { operators: 40, registers: 1, memories: 1 + seed % 3, ..Contents::default() };
-        let module = netlist(&format!("netlist{seed}"), &mut random, &contents);
-        let names: Vec<String> = module.inputs().iter().map(|port| port.name.clone()).collect();
-        let ports: Vec<_> = names.iter().map(String::as_str).zip(inputs.iter().copied()).collect();
-        let outputs = m.instance(&format!("u_{}", module.name()), &module, &ports);
-        for (n, output) in outputs.into_iter().enumerate() {
-            m.output(&format!("{}_{n}_o", module.name()), output);
-        }
-    }
-    agree(&m.finish().expect("a top"), &mut ChaCha8Rng::seed_from_u64(3), 5_000);
+        netlist(&format!("netlist{seed}"), &mut random, &contents)
+    }));
 }
 
 /// Runs commands on the text of a module, without the files of its folder, and returns what they write to `out.txt`.

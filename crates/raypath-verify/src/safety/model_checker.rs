@@ -1,7 +1,7 @@
 //! The model checker: Yosys and ABC on a module with assertions.
 
 use crate::error::Error;
-use crate::proofs::{cache, kept};
+use crate::proofs::cache;
 use crate::sat::header;
 use raypath_tools::{Abc, Cache, Key, ToolError, Yosys, YosysKind, digest, read, temporary_folder, write};
 use serde::{Deserialize, Serialize};
@@ -106,7 +106,7 @@ impl ModelChecker {
         };
         let (yosys, abc, assertions) = (&self.yosys.version, &self.abc.version, problem.assertions.to_string());
         let key = Key::new("safety", &[&problem.text, &script, &assertions, REDUCE, &method, yosys, abc]);
-        kept(&self.cache, &key, is_final, || self.check_text(problem, &script, &method, stop))
+        self.cache.kept(&key, is_final, || self.check_text(problem, &script, &method, stop))
     }
 
     fn check_text(
@@ -131,7 +131,7 @@ impl ModelChecker {
         // ABC's comment at the end holds the time.
         let graph = digest(&without_comment(read(&folder.join("reduced.aig"))?));
         let key = Key::new("graph", &[&graph, method, &self.abc.version]);
-        kept(&self.cache, &key, is_final, || {
+        self.cache.kept(&key, is_final, || {
             let commands = format!("read_aiger reduced.aig; {method}; print_status");
             let output = self.abc.run(folder, &commands, LIMIT, stop)?;
             let undecided = (!stop.load(Ordering::Relaxed)).then_some(CheckResult::Undecided);

@@ -1,5 +1,6 @@
 //! `raypath fpga`: the datapath on an FPGA.
 
+use crate::commands::full::measuring::RESUMES;
 use crate::commands::full::ppa::json;
 use crate::{CliError, DatapathArguments, Progress, Stopped, number, whole};
 use clap::Args;
@@ -119,10 +120,7 @@ fn implement(arguments: &Arguments, config: Config, shell: &Shell, out: &mut dyn
     match progress.finish(reached) {
         Ok(()) => {}
         Err(Stopped { .. }) if implemented.is_ok() => {}
-        Err(stopped) => {
-            let kept = "what is done is kept, and the same command goes on from there";
-            return Err(CliError::Stopped(format!("{stopped}; {kept}")));
-        }
+        Err(stopped) => return Err(CliError::Stopped(format!("{stopped}; {RESUMES}"))),
     }
     let Implementation { report, configuration, bitstream } = implemented?;
     let mut text = String::new();

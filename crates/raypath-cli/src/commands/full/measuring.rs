@@ -1,11 +1,11 @@
 //! Options of `ppa` and `explore` for the tools and the library.
 
+use crate::measure::watched;
 use crate::{CliError, number, whole};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, PowerResults, Report, Workload};
+use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Progress, Report};
 use raypath_tools::{OpenSta, Yosys, YosysKind};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The default period in nanoseconds.
@@ -50,23 +50,8 @@ impl BenchArguments {
 
     /// Finds the library and the tools, and measures designs with a progress bar.
     pub fn measure(&self, designs: &[Design]) -> Result<Vec<Report>, CliError> {
-        crate::measure::measure(&self.bench()?, designs).map_err(resumable)
-    }
-
-    /// The areas of the units of designs by the digests of their texts, with a progress bar.
-    pub fn unit_areas(&self, bench: &Bench, designs: &[Design]) -> Result<BTreeMap<String, f64>, CliError> {
-        crate::measure::unit_areas(bench, designs).map_err(resumable)
-    }
-
-    /// Measures the power of a design in workloads with a progress bar. `report` is the design's.
-    pub fn power(
-        &self,
-        design: &Design,
-        report: &Report,
-        workloads: &[Workload],
-        with_saif: bool,
-    ) -> Result<PowerResults, CliError> {
-        crate::measure::power(&self.bench()?, design, report, workloads, with_saif).map_err(resumable)
+        let bench = self.bench()?;
+        resumable(|watch| bench.measure(designs, watch))
     }
 
     /// The library and the tools.
@@ -88,13 +73,15 @@ impl BenchArguments {
     }
 }
 
-/// Adds to the message about a stop that a measurement resumes.
-fn resumable(error: CliError) -> CliError {
-    match error {
-        CliError::Stopped(stopped) => {
-            let kept = "what is done is kept, and the same command goes on from there";
-            CliError::Stopped(format!("{stopped}; {kept}"))
-        }
+/// Shows the progress of a measurement. The message about a stop says that it resumes.
+pub fn resumable<T>(
+    measurement: impl FnOnce(&mut dyn FnMut(Progress) -> bool) -> Result<T, Error>,
+) -> Result<T, CliError> {
+    watched(measurement).map_err(|error| match error {
+        CliError::Stopped(stopped) => CliError::Stopped(format!("{stopped}; {RESUMES}")),
         other => other,
-    }
+    })
 }
+
+/// The end of the message about a stop.
+pub const RESUMES: &str = "what is done is kept, and the same command goes on from there";

@@ -4,6 +4,7 @@ mod jobs;
 mod power;
 
 use crate::commands::full::BenchArguments;
+use crate::commands::full::measuring::resumable;
 use crate::commands::unit::{UnitArguments, not_with_unit};
 use crate::{CliError, DatapathArguments};
 use clap::Args;
@@ -62,7 +63,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     for mut report in reports {
         let mut written = Vec::new();
         if let Some(workloads) = &workloads {
-            let measured = arguments.bench.power(&design, &report, workloads, arguments.saif)?;
+            let bench = arguments.bench.bench()?;
+            let measured = resumable(|watch| bench.power(&design, &report, workloads, arguments.saif, watch))?;
             written.extend(power_files(&measured, &arguments.out));
             report.power = Some(measured.power);
         }

@@ -106,20 +106,14 @@ impl ExactCache {
             let name = format!("{rules:?}");
             let parts: Vec<&str> = contents.iter().chain([&name]).map(String::as_str).collect();
             let key = Key::new("visits", &parts);
-            let found = match self.cache.get(&key) {
-                Some(found) => found,
-                None => {
-                    let scenes = match &shown {
-                        Some(scenes) => scenes,
-                        None => shown.insert(scenes(paths, limit)?),
-                    };
-                    let count = |scene| visits(scene, *rules, AMBIENT_OCCLUSION);
-                    let found: Vec<u64> = scenes.iter().map(count).collect::<Result<_, _>>()?;
-                    self.cache.put(&key, &found)?;
-                    found
-                }
+            let count = || {
+                let scenes = match &shown {
+                    Some(scenes) => scenes,
+                    None => shown.insert(scenes(paths, limit)?),
+                };
+                scenes.iter().map(|scene| visits(scene, *rules, AMBIENT_OCCLUSION)).collect::<Result<_, CliError>>()
             };
-            counts.insert(name, found);
+            counts.insert(name, self.cache.kept(&key, |_| true, count)?);
             if !progress.at(done + 1) {
                 break;
             }

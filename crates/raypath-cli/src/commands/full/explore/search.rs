@@ -4,6 +4,7 @@ use super::Arguments;
 use super::exact::{Elaborated, ExactCache};
 use super::space::{Space, space};
 use crate::commands::full::MemoryArguments;
+use crate::commands::full::measuring::resumable;
 use crate::commands::full::ppa::{self, design, picture};
 use crate::{CliError, whole};
 use clap::{ArgGroup, Args};
@@ -67,7 +68,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         false => vec![None; configs.len()],
     };
     let objectives = options.objectives(&space, &visits)?;
-    let units = units(arguments, &bench, &configs, &elaborated)?;
+    let units = units(&bench, &configs, &elaborated)?;
     let candidates: Vec<Candidate> = space
         .members
         .iter()
@@ -172,12 +173,7 @@ impl SearchArguments {
 }
 
 /// The areas of all units of the space, by the digests of their texts.
-fn units(
-    arguments: &Arguments,
-    bench: &Bench,
-    configs: &[Config],
-    elaborated: &[Elaborated],
-) -> Result<BTreeMap<String, f64>, CliError> {
+fn units(bench: &Bench, configs: &[Config], elaborated: &[Elaborated]) -> Result<BTreeMap<String, f64>, CliError> {
     let mut areas = BTreeMap::new();
     let mut unknown: BTreeSet<&String> = BTreeSet::new();
     let mut designs: Vec<Design> = Vec::new();
@@ -193,7 +189,7 @@ fn units(
             designs.push(design(*config)?);
         }
     }
-    areas.extend(arguments.bench.unit_areas(bench, &designs)?);
+    areas.extend(resumable(|watch| bench.unit_areas(&designs, watch))?);
     Ok(areas)
 }
 
@@ -267,12 +263,11 @@ impl Measurer<'_> {
         let program = digest(&raypath_tools::read(&std::env::current_exe()?)?);
         let setting = ppa::json(report)?;
         let key = Key::new("picture-power", &[&program, &self.bench.library.digest, &setting]);
-        if let Some(power) = cache.get(&key) {
-            return Ok(power);
-        }
-        let power = self.arguments.bench.power(design, report, &[picture(config)?], false)?.power;
-        cache.put(&key, &power)?;
-        Ok(power)
+        let measure = || -> Result<Power, CliError> {
+            let picture = [picture(config)?];
+            Ok(resumable(|watch| self.bench.power(design, report, &picture, false, watch))?.power)
+        };
+        cache.kept(&key, |_| true, measure)
     }
 }
 
