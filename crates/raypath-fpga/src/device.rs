@@ -1,9 +1,5 @@
 //! The FPGAs that the flow supports.
 
-use std::fmt;
-use std::str::FromStr;
-use thiserror::Error;
-
 /// An FPGA of Lattice's family ECP5, in the package CABGA381.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Device {
@@ -15,10 +11,11 @@ pub enum Device {
     Ecp5_85k,
 }
 
-/// A text that names no device.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is not a valid device, expected ecp5-25k, ecp5-45k or ecp5-85k")]
-pub struct ParseDeviceError(String);
+raypath_ops::names! {
+    Device { Ecp5_25k = "ecp5-25k", Ecp5_45k = "ecp5-45k", Ecp5_85k = "ecp5-85k" },
+    /// A text that names no device.
+    ParseDeviceError, "'{0}' is not a valid device, expected ecp5-25k, ecp5-45k or ecp5-85k"
+}
 
 /// What to place and route for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,19 +58,5 @@ impl Target {
         let numbers = [("--speed", speed.to_string()), ("--freq", clock_mhz.to_string()), ("--seed", seed.to_string())];
         let numbers = numbers.into_iter().flat_map(|(option, value)| [option.to_string(), value]);
         [size, "--package".to_string(), "CABGA381".to_string()].into_iter().chain(numbers).collect()
-    }
-}
-
-impl fmt::Display for Device {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "ecp5-{}", self.size())
-    }
-}
-
-impl FromStr for Device {
-    type Err = ParseDeviceError;
-    fn from_str(text: &str) -> Result<Self, ParseDeviceError> {
-        let found = Self::ALL.into_iter().find(|device| device.to_string() == text);
-        found.ok_or_else(|| ParseDeviceError(text.to_string()))
     }
 }

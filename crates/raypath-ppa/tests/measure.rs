@@ -1,15 +1,13 @@
 //! Measurements with Yosys, OpenSTA and Debian's cell library: of a design small enough to know its figures, and of an
 //! elaborated datapath, whose report finds every register and unit by its name.
 
-use crate::common::bench;
-use raypath_hdl::{Builder, Module, Wire};
+use crate::common::{WIDTH, bench, chain, stage};
+use raypath_hdl::{Builder, Module};
 use raypath_ops::{Circuit, Num, Operation, bundle};
 use raypath_ppa::{Bench, Design, Error, Report, Stage};
 use raypath_rtl::{Control, DatapathNetlist, Microarchitecture, Operations, UnitKind};
 use raypath_tools::ToolError;
 use std::sync::Arc;
-
-const WIDTH: u32 = 6;
 
 /// A "floating-point unit": a sum.
 fn unit() -> Arc<Module> {
@@ -17,33 +15,6 @@ fn unit() -> Arc<Module> {
     let (a, b) = (m.input("a_i", WIDTH), m.input("b_i", WIDTH));
     m.output("sum_o", a + b);
     m.finish().expect("a unit")
-}
-
-/// A valid bit with a reset.
-fn control() -> Arc<Module> {
-    let m = Builder::new("raypath_tiny_control");
-    let valid = m.register("valid_q", 1).reset_to(0);
-    valid.next(m.input("valid_i", 1));
-    m.output("valid_o", valid.wire());
-    m.finish().expect("control")
-}
-
-/// A stage that registers the number that `made` returns; with `extra`, it has an unread register.
-fn stage(name: &str, extra: bool, made: impl for<'m> Fn(&'m Builder, Wire<'m>) -> Wire<'m>) -> Arc<Module> {
-    let m = Builder::new(name);
-    let number = m.input("num_0_i", WIDTH);
-    let valid = m.input("valid_i", 1);
-    let next = made(&m, number);
-    let register = m.register("num_0_q", WIDTH);
-    register.next_when(valid, next);
-    if extra {
-        let unread = m.register("unread_q", WIDTH);
-        unread.next(number);
-        m.unused("unused_register", &[unread.wire()]);
-    }
-    m.output("num_0_o", register.wire());
-    m.output("valid_o", m.instance("u_control", &control(), &[("valid_i", valid)])[0]);
-    m.finish().expect("a stage")
 }
 
 /// Three stages: one that only registers, one with two adders in series, one with a multiplexer before its adder.
@@ -57,15 +28,8 @@ fn design() -> Design {
         let chosen = number.bit(0).mux(!number, number);
         m.instance("u_add_0", &unit(), &[("a_i", chosen), ("b_i", number)])[0]
     });
-    let m = Builder::new("raypath");
-    let mut wires = (m.input("num_0_i", WIDTH), m.input("valid_i", 1));
-    for (name, module) in [("u_input", &first), ("u_stage_1", &second), ("u_stage_2", &third)] {
-        let outputs = m.instance(name, module, &[("num_0_i", wires.0), ("valid_i", wires.1)]);
-        wires = (outputs[0], outputs[1]);
-    }
-    m.output("num_0_o", wires.0);
-    m.output("valid_o", wires.1);
-    Design::new("tiny", &m.finish().expect("a design"))
+    let top = chain(&[("u_input", first), ("u_stage_1", second), ("u_stage_2", third)]);
+    Design::new("tiny", &top)
 }
 
 fn stage_of<'r>(report: &'r Report, name: &str) -> &'r Stage {

@@ -1,15 +1,14 @@
 //! The activity of every net of a small design, compared with Verilator's values of the same nets. The models of the
 //! cells for Verilator are Yosys's reading of the library.
 
-use crate::common::bench;
-use raypath_hdl::{Builder, Module, Wire};
+use crate::common::{WIDTH, bench, chain, stage};
+use raypath_hdl::{Builder, Module};
 use raypath_ppa::{DEFAULT_LIBRARY, Design, Error, PowerResults, STREAMS, Workload};
 use raypath_tools::{Options, Verilated};
 use std::collections::BTreeMap;
 use std::process::Command;
 use std::sync::Arc;
 
-const WIDTH: u32 = 5;
 const CYCLES: usize = 24;
 const WARM_UP: usize = 3;
 
@@ -23,40 +22,19 @@ fn unit() -> Arc<Module> {
     m.finish().expect("a unit")
 }
 
-/// A stage with a register that holds without valid, and a valid bit with a reset.
-fn stage(name: &str, made: impl for<'m> Fn(&'m Builder, Wire<'m>) -> Wire<'m>) -> Arc<Module> {
-    let m = Builder::new(name);
-    let (number, valid) = (m.input("num_0_i", WIDTH), m.input("valid_i", 1));
-    let register = m.register("num_0_q", WIDTH);
-    register.next_when(valid, made(&m, number));
-    let valid_q = m.register("valid_q", 1).reset_to(0);
-    valid_q.next(valid);
-    m.output("num_0_o", register.wire());
-    m.output("valid_o", valid_q.wire());
-    m.finish().expect("a stage")
-}
-
 fn top() -> Arc<Module> {
-    let input = stage("raypath_tiny_input", |_, number| number);
-    let square = stage("raypath_tiny_square", |m, number| {
+    let input = stage("raypath_tiny_input", false, |_, number| number);
+    let square = stage("raypath_tiny_square", false, |m, number| {
         let chosen = number.bit(0).mux(!number, number);
         m.instance("u_mul_0", &unit(), &[("a_i", chosen), ("b_i", number)])[0]
     });
-    let m = Builder::new("raypath");
-    let mut wires = (m.input("num_0_i", WIDTH), m.input("valid_i", 1));
-    for (name, module) in [("u_input", &input), ("u_stage_1", &square)] {
-        let outputs = m.instance(name, module, &[("num_0_i", wires.0), ("valid_i", wires.1)]);
-        wires = (outputs[0], outputs[1]);
-    }
-    m.output("num_0_o", wires.0);
-    m.output("valid_o", wires.1);
-    m.finish().expect("a design")
+    chain(&[("u_input", input), ("u_stage_1", square)])
 }
 
 /// The number and the valid bit at the ports.
 fn inputs(cycle: usize, stream: usize) -> [u64; 2] {
     let mixed = (cycle as u64 * 64 + stream as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    [mixed >> 40 & 31, u64::from(mixed >> 20 & 3 != 0)]
+    [mixed >> 40 & 63, u64::from(mixed >> 20 & 3 != 0)]
 }
 
 fn workload(name: &str, inputs: impl Fn(usize, usize) -> [u64; 2]) -> Workload {

@@ -171,17 +171,10 @@ fn words_that_the_format_does_not_have_are_refused() {
     let build = |s| DatapathNetlist::of(wide(s).expect("an operation"));
     assert!(build(3).is_ok());
 
-    struct Nine;
-    impl Operation for Nine {
-        const NAME: &'static str = "nine";
-        type Input<C: Circuit> = NineBits<C>;
-        type Output<C: Circuit> = One<C>;
-        type State<C: Circuit> = ();
-        fn run<C: Circuit>(&self, c: C, NineBits { word }: NineBits<C>, _: ()) -> (One<C>, ()) {
-            c.stage(2, "the word's value");
-            (One { num: word.number() }, ())
-        }
-    }
+    operation!(Nine = "nine", NineBits<C> => One<C>, |c, i| {
+        c.stage(2, "the word's value");
+        One { num: i.word.number() }
+    });
     let nine = || Operations::new().with(&Nine, 0).expect("an operation");
     let error = DatapathNetlist::of(nine().format(Format::new(8, 8).expect("a format")));
     let said = error.expect_err("bfloat16 has no 257").to_string();
@@ -312,7 +305,7 @@ bundle! {
 }
 
 // Has a port with the name of another operation's port, but another width.
-operation!(FourFlags = "four_flags", Wider<C>, (), |_c, i, _state| (Wider { is_so: Flags([i.flag; 4]) }, ()));
+operation!(FourFlags = "four_flags", Input<C> => Wider<C>, |_c, i| Wider { is_so: Flags([i.flag; 4]) });
 
 bundle! {
     /// Two ports of one name.
@@ -330,7 +323,7 @@ bundle! {
     }
 }
 
-operation!(TwoOfAName = "two_of_a_name", Twice<C>, (), |_c, i, _state| (Twice { t: One { num: i.a }, t_num: i.b }, ()));
+operation!(TwoOfAName = "two_of_a_name", Input<C> => Twice<C>, |_c, i| Twice { t: One { num: i.a }, t_num: i.b });
 
 /// Ports of one name are one port. Other types or widths are an error.
 #[test]

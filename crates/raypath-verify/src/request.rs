@@ -4,7 +4,6 @@ use raypath_rtl::Config;
 use raypath_work::parts::Parts;
 use raypath_work::pool::Cases;
 pub use raypath_work::pool::{Progress, Shard, ShardError};
-use std::str::FromStr;
 
 /// The parameters of a verification, and the function that watches it.
 pub struct Request<'a> {
@@ -55,27 +54,15 @@ pub enum Level {
     Long,
 }
 
-impl FromStr for Level {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let level = Self::ALL.iter().find(|level| level.name() == text);
-        level.copied().ok_or_else(|| format!("'{text}' is not a valid level, expected regression, full or long"))
-    }
+raypath_ops::names! {
+    Level { Regression = "regression", Full = "full", Long = "long" },
+    /// A text that names no level.
+    ParseLevelError, "'{0}' is not a valid level, expected regression, full or long"
 }
 
 impl Level {
     /// All levels, the shortest first.
     pub const ALL: &[Self] = &[Self::Regression, Self::Full, Self::Long];
-
-    /// The level's name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Regression => "regression",
-            Self::Full => "full",
-            Self::Long => "long",
-        }
-    }
 
     /// The value for this level, of one for each.
     pub fn pick<T>(self, regression: T, full: T, long: T) -> T {

@@ -30,11 +30,6 @@ impl Metric {
     /// All metrics.
     pub const ALL: [Self; 6] = [Self::Area, Self::Period, Self::Energy, Self::Throughput, Self::Visits, Self::Latency];
 
-    /// Its name in goals and files.
-    pub fn name(self) -> &'static str {
-        ["area", "period", "energy", "throughput", "visits", "latency"][self as usize]
-    }
-
     /// Its unit in tables.
     pub fn unit(self) -> &'static str {
         ["mm²", "ns", "pJ per job", "jobs a cycle", "% more visits", "cycles"][self as usize]
@@ -89,19 +84,17 @@ impl Metric {
     }
 }
 
-impl fmt::Display for Metric {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Metric {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        let found = Self::ALL.into_iter().find(|metric| metric.name() == name);
-        found.ok_or_else(|| format!("'{name}' is not a metric, expected {}", Self::ALL.map(Self::name).join(", ")))
-    }
+raypath_ops::names! {
+    Metric {
+        Area = "area",
+        Period = "period",
+        Energy = "energy",
+        Throughput = "throughput",
+        Visits = "visits",
+        Latency = "latency"
+    },
+    /// The error of a name that no metric has.
+    ParseMetricError, "'{0}' is not a metric, expected area, period, energy, throughput, visits, latency"
 }
 
 /// A limit on a metric: at most, or for throughput at least.
@@ -129,7 +122,7 @@ impl FromStr for Goal {
         let Some(place) = text.find(['<', '>', '=']) else {
             return problem("no <= or >=".to_string(), format!("a goal like {}", Metric::Area.example()));
         };
-        let metric: Metric = text[..place].trim().parse()?;
+        let metric: Metric = text[..place].trim().parse().map_err(|problem: ParseMetricError| problem.to_string())?;
         let relation = if metric.is_maximised() { ">=" } else { "<=" };
         let Some(value) = text[place..].strip_prefix(relation) else {
             return problem(format!("{metric} without {relation}"), metric.example().to_string());

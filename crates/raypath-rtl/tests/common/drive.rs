@@ -1,6 +1,6 @@
 //! Jobs through the netlist of a datapath.
 
-use raypath_hdl::{InputPort, OutputPort, Simulator};
+use raypath_hdl::Simulator;
 use raypath_rtl::DatapathNetlist;
 use std::collections::BTreeMap;
 
@@ -12,27 +12,22 @@ pub type Ports = BTreeMap<String, u64>;
 pub fn drive(datapath: &DatapathNetlist, jobs: &[Ports]) -> (Vec<Ports>, u32) {
     let top = datapath.top();
     let mut simulator = Simulator::new(top).expect("a netlist");
-    let input = |name: &str| simulator.input(name).expect(name);
-    let inputs: BTreeMap<&str, InputPort> = top.inputs().iter().map(|port| (port.stem(), input(&port.name))).collect();
-    let output = |name: &str| simulator.output(name).expect(name);
-    let outputs: Vec<(&str, OutputPort)> = top.outputs().iter().map(|port| (port.stem(), output(&port.name))).collect();
-    let (ready, shown) = (output("input_ready_o"), output("output_valid_o"));
-    simulator.set(inputs["output_ready"], 1);
+    let mut held = Ports::from([("output_ready".to_string(), 1)]);
     let (mut sent, mut answers, mut first) = (0, Vec::new(), 0);
     for cycle in 0..40 * (jobs.len() as u32 + 50) {
         let job = jobs.get(sent);
-        simulator.set(inputs["input_valid"], job.is_some().into());
-        for (name, &value) in job.into_iter().flatten() {
-            simulator.set(inputs[name.as_str()], value);
-        }
+        held.extend(job.cloned().into_iter().flatten());
+        held.insert("input_valid".to_string(), job.is_some().into());
+        simulator.set_all(top.inputs().iter().map(|port| held.get(port.stem()).copied().unwrap_or(0)));
         simulator.cycle();
-        if simulator.get(shown) == 1 {
-            let values = outputs.iter().map(|&(name, wire)| (name.to_string(), simulator.get(wire)));
+        let names = top.outputs().iter().map(|port| port.stem().to_string());
+        let mut shown: Ports = names.zip(simulator.outputs().iter().copied()).collect();
+        let (ready, valid) = (shown.remove("input_ready"), shown.remove("output_valid"));
+        if valid == Some(1) {
             first = if answers.is_empty() { cycle } else { first };
-            answers
-                .push(values.filter(|(name, _)| !["input_ready", "output_valid"].contains(&name.as_str())).collect());
+            answers.push(shown);
         }
-        sent += usize::from(job.is_some() && simulator.get(ready) == 1);
+        sent += usize::from(job.is_some() && ready == Some(1));
         if answers.len() == jobs.len() {
             return (answers, first);
         }

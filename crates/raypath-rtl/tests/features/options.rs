@@ -150,17 +150,7 @@ raypath_ops::bundle! {
     }
 }
 
-struct Tagged;
-
-impl Operation for Tagged {
-    const NAME: &'static str = "tagged";
-    type Input<C: Circuit> = Tag<C>;
-    type Output<C: Circuit> = Tag<C>;
-    type State<C: Circuit> = ();
-    fn run<C: Circuit>(&self, _: C, input: Tag<C>, _: ()) -> (Tag<C>, ()) {
-        (input, ())
-    }
-}
+operation!(Tagged = "tagged", Tag<C> => Tag<C>, |_c, input| input);
 
 /// All lists of features have the same order.
 #[test]

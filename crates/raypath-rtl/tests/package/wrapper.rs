@@ -187,25 +187,15 @@ bundle! {
     }
 }
 
-struct Sum;
-
-impl Operation for Sum {
-    const NAME: &'static str = "sum_of_all";
-    type Input<C: Circuit> = Awkward<C>;
-    type Output<C: Circuit> = Total<C>;
-    type State<C: Circuit> = ();
-
-    fn run<C: Circuit>(&self, c: C, input: Awkward<C>, (): ()) -> (Total<C>, ()) {
-        c.stage(2, "first sums");
-        let (ends, ray) = (input.range_begin + input.range_end, input.ray + input.ray_end);
-        let point = input.point_x + input.point_y;
-        let wire = input.wire;
-        c.stage(3, "second sums");
-        let (both, point) = (ends + ray, point + wire);
-        c.stage(4, "the last sum");
-        (Total { total: both + point }, ())
-    }
-}
+operation!(Sum = "sum_of_all", Awkward<C> => Total<C>, |c, input| {
+    c.stage(2, "first sums");
+    let (ends, ray) = (input.range_begin + input.range_end, input.ray + input.ray_end);
+    let point = input.point_x + input.point_y;
+    c.stage(3, "second sums");
+    let (both, point) = (ends + ray, point + input.wire);
+    c.stage(4, "the last sum");
+    Total { total: both + point }
+});
 
 /// The wrapper also exists for added operations with ports of any names.
 #[test]
