@@ -71,15 +71,7 @@ impl Cost {
 
     /// Units that the operation adds to the datapath.
     pub fn added_units(&self) -> Units {
-        let (with, without) = (self.with.units, self.without.units);
-        Units {
-            encode: with.encode.saturating_sub(without.encode),
-            add: with.add.saturating_sub(without.add),
-            sum: with.sum.saturating_sub(without.sum),
-            multiply: with.multiply.saturating_sub(without.multiply),
-            compare: with.compare.saturating_sub(without.compare),
-            decode: with.decode.saturating_sub(without.decode),
-        }
+        self.with.units.join(self.without.units, usize::saturating_sub)
     }
 
     /// The same as text; `none` if there are none.

@@ -28,6 +28,19 @@ pub struct RayTriangleExtended {
     pub range: bool,
 }
 
+impl RayTriangleExtended {
+    /// No options, under the rules `paper`.
+    pub const PLAIN: Self = Self {
+        rules: Rules::Paper,
+        rounding: Rounding::Unit,
+        edges: EdgeRule::Shared,
+        culling: Culling::Back,
+        facing: false,
+        barycentrics: false,
+        range: false,
+    };
+}
+
 /// The faces of a triangle that a ray passes through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Culling {

@@ -4,22 +4,13 @@
 use num_rational::BigRational;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
-use raypath_ops::EdgeRule;
 use raypath_ops::{
     AngularMany, AngularManyState, Beat, BeatManyInput, Binary32, Culling, EuclideanMany, EuclideanManyState, Flags,
     Operation, Ray, RayTriangle, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
     RayTriangleInput, Rounding, Rules, Triangle, Word, from_words, ports_of,
 };
 
-const PLAIN: RayTriangleExtended = RayTriangleExtended {
-    rules: Rules::Paper,
-    rounding: Rounding::Unit,
-    edges: EdgeRule::Shared,
-    culling: Culling::Back,
-    facing: false,
-    barycentrics: false,
-    range: false,
-};
+const PLAIN: RayTriangleExtended = RayTriangleExtended::PLAIN;
 
 const CULLINGS: [Culling; 3] = [Culling::Back, Culling::Front, Culling::None];
 

@@ -107,11 +107,6 @@ impl Oracle {
             _ => return None,
         })
     }
-
-    /// A hardware reset: the accumulators are zero.
-    pub fn reset(&mut self) {
-        self.totals = Totals::new(self.semantics.features.accumulators.count());
-    }
 }
 
 impl Answer {

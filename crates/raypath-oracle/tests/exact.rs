@@ -94,15 +94,12 @@ fn boxes_by_hand() {
 #[test]
 fn sums_and_exceptions_by_hand() {
     let datapath = Datapath::paper(Config::DEFAULT.lanes(Lanes::Two).exception_flags(true));
-    let dot = |a: f32, b: f32| {
+    let beat = |name: &str, sum: &str, a: f32, b: f32| {
         let job: [(&str, &[f32]); 2] = [("euclidean_a_0", &[a]), ("euclidean_b_0", &[b])];
-        outcome(&datapath, "angular", &job, ["angular_dot_product", "exception_flags"])
+        outcome(&datapath, name, &job, [sum, "exception_flags"])
     };
-    assert_eq!(dot(4097.0, 4097.0), [bits(16_785_408.0), 1]);
-    let distance = |a: f32, b: f32| {
-        let job: [(&str, &[f32]); 2] = [("euclidean_a_0", &[a]), ("euclidean_b_0", &[b])];
-        outcome(&datapath, "euclidean", &job, ["euclidean_accumulator", "exception_flags"])
-    };
+    assert_eq!(beat("angular", "angular_dot_product", 4097.0, 4097.0), [bits(16_785_408.0), 1]);
+    let distance = |a: f32, b: f32| beat("euclidean", "euclidean_accumulator", a, b);
     assert_eq!(distance(INF, INF), [0x7fc0_0000, 8]);
     assert_eq!(distance(1e30, 0.0), [bits(INF), 5]);
     assert_eq!(distance(1e-22, 0.0)[1], 3);

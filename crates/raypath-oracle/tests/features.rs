@@ -2,9 +2,7 @@
 
 use rand::RngExt;
 use raypath_float::Format;
-use raypath_ops::EdgeRule;
-use raypath_ops::{Culling, RayTriangleExtended, RayTriangleExtendedInput, Rounding, Rules};
-use raypath_ops::{Ray, Triangle};
+use raypath_ops::{Culling, EdgeRule, Ray, RayTriangleExtended, RayTriangleExtendedInput, Rules, Triangle};
 use raypath_oracle::{AnyOperationSpec, Checks, OperationSpec};
 use raypath_rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
 use raypath_sim::Datapath;
@@ -68,15 +66,7 @@ fn unsupported_features_are_errors() {
 /// An oracle gets all other ports correctly if optional ports are absent. The tag is a random word.
 #[test]
 fn oracles_get_the_present_ports() {
-    let extended = RayTriangleExtended {
-        rules: Rules::Paper,
-        rounding: Rounding::Unit,
-        edges: EdgeRule::Shared,
-        culling: Culling::None,
-        facing: true,
-        barycentrics: false,
-        range: false,
-    };
+    let extended = RayTriangleExtended { culling: Culling::None, facing: true, ..RayTriangleExtended::PLAIN };
     let spec = OperationSpec::of(extended)
         .stimulus(|rng| {
             let mut vertex = || [(); 3].map(|()| rng.random_range(-1.0_f32..1.0));

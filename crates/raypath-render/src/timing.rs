@@ -90,11 +90,7 @@ pub fn time_picture(
     let store = ResultStore::new(numbers.len());
     let agents = store.clone().agents(spec.scene, tracing, numbers.clone(), |pixel| sampler.pixel(pixel));
     let timing = simulate(agents, &system.environment, pipeline(system, tracing.rules), observer, progress)?;
-    let mut picture = Picture::new(spec.size.0, spec.size.1);
-    for (number, colour) in numbers.zip(store.results().map_err(RenderError::Camera)?) {
-        picture.put_pixel(number as u32 % spec.size.0, number as u32 / spec.size.0, Rgb(colour));
-    }
-    Ok((timing, picture))
+    Ok((timing, spec.drawn(numbers, store.results().map_err(RenderError::Camera)?)))
 }
 
 /// The jobs of a picture in the order in which the datapath accepts them. `progress` gets the number of completed
@@ -185,6 +181,16 @@ pub fn sweep_rays(
 impl PictureSpec<'_> {
     fn sampler(&self) -> Result<PictureSampler<'_>, RenderError> {
         PictureSampler::new(self.scene, &self.camera, self.size, &self.shading)
+    }
+
+    /// The picture in which the pixels of these numbers have these colours.
+    fn drawn(&self, numbers: impl Iterator<Item = usize>, colours: Vec<[u8; 3]>) -> Picture {
+        let (width, height) = self.size;
+        let mut picture = Picture::new(width, height);
+        for (number, colour) in numbers.zip(colours) {
+            picture.put_pixel(number as u32 % width, number as u32 / width, Rgb(colour));
+        }
+        picture
     }
 }
 

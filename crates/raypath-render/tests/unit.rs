@@ -6,10 +6,7 @@ use crate::common::oracle::Oracle;
 use crate::common::rays::{Kind, rays};
 use rayon::prelude::*;
 use raypath_model::Shape;
-use raypath_ops::EdgeRule;
-use raypath_ops::{
-    Binary32, Culling, Operation, Ray, RayTriangleExtended, RayTriangleExtendedInput, Rounding, Rules, Triangle,
-};
+use raypath_ops::{Binary32, Culling, Operation, Ray, RayTriangleExtended, RayTriangleExtendedInput, Rules, Triangle};
 use raypath_render::{
     Camera, Goal, Mesh, PictureSpec, RayBatch, Scene, Shading, Tracer, Tracing, UnitErrors, UnitSystem,
     parse_instances, render, time_picture_through_unit, time_rays_through_unit, trace_any, trace_closest,
@@ -125,15 +122,7 @@ fn of_all(mesh: &Mesh, ray: &Ray<Binary32>) -> Option<(u32, f32)> {
 
 /// The distance of a triangle, front or back.
 pub fn of_one(mesh: &Mesh, ray: &Ray<Binary32>, index: u32) -> Option<f32> {
-    let both_faces = RayTriangleExtended {
-        rules: Rules::Paper,
-        rounding: Rounding::Unit,
-        edges: EdgeRule::Shared,
-        culling: Culling::None,
-        facing: true,
-        barycentrics: false,
-        range: false,
-    };
+    let both_faces = RayTriangleExtended { culling: Culling::None, facing: true, ..RayTriangleExtended::PLAIN };
     let [a, b, c] = mesh.corners(index);
     let input = RayTriangleExtendedInput { ray: *ray, triangle: Triangle::new(a, b, c), t_min: 0.0.into() };
     let (outcome, ()) = both_faces.run(Binary32, input, ());

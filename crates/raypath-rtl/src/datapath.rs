@@ -1,6 +1,5 @@
 use crate::allocate::plan::{Plan, StepPlan};
 use crate::config::{Config, Microarchitecture};
-use crate::emit::boundary::label;
 use crate::emit::library::Library;
 use crate::emit::properties::Properties;
 use crate::emit::stage::{self, notes};
@@ -11,7 +10,7 @@ use crate::ir::position::{Step, StepLabel};
 use crate::ir::units::{Unit, Units};
 use crate::operations::Operations;
 use crate::schedule;
-use raypath_hdl::{Label, Module};
+use raypath_hdl::Module;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -97,13 +96,6 @@ impl DatapathNetlist {
     /// The module `raypath`.
     pub fn top(&self) -> &Arc<Module> {
         &self.pipeline.top
-    }
-
-    /// The opcodes with their names in the printed modules (`OpQuadbox`), in ascending order.
-    pub fn opcodes(&self) -> Vec<Label> {
-        let mut labels: Vec<Label> = self.plan.operations.iter().map(label).collect();
-        labels.sort_by_key(|label| label.value);
-        labels
     }
 
     /// The assertions about the control of the pipeline.

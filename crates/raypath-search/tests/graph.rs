@@ -1,7 +1,7 @@
 //! Graph search: its recall on the digits, its reproducibility, and its traces.
 
 use crate::common::datapath::Datapath;
-use crate::common::{digits, vectors};
+use crate::common::{digits, graph, vectors};
 use raypath_search::{
     Clusters, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchError, Vectors, recall,
 };
@@ -24,8 +24,7 @@ fn truth(base: &Vectors, queries: &Vectors, metric: Metric) -> Neighbours {
 fn recall_is_high_and_traces_have_the_counted_evaluations_on_digits() {
     let (base, queries) = base_and_queries();
     for metric in Metric::ALL {
-        let graph =
-            Graph::build(&base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true).expect("a graph");
+        let graph = graph(&base, metric);
         traces_have_the_counted_evaluations(&graph, &queries, metric);
         let truth = truth(&base, &queries, metric);
         let mut last = 0;
@@ -57,8 +56,7 @@ fn distances_have_the_bits_of_the_datapath() {
         let clusters = Clusters { vectors: 300, queries: 10, dimensions, ..Clusters::default() };
         let data = clusters.generate().expect("data");
         for metric in Metric::ALL {
-            let graph = Graph::build(&data.base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true);
-            let results = graph.expect("a graph").search(&data.queries, COUNT, EF, &|_| true).expect("results");
+            let results = graph(&data.base, metric).search(&data.queries, COUNT, EF, &|_| true).expect("results");
             let mut datapath = Datapath::<16, 8>::new();
             for (query, row) in data.queries.iter().zip(&results.rows) {
                 for near in row {
@@ -105,17 +103,14 @@ fn traces_have_the_counted_evaluations(graph: &Graph<'_>, queries: &Vectors, met
 fn graphs_of_few_and_of_equal_vectors_work() {
     for count in [1, 2, 5] {
         let base = Vectors::new(2, (0..2 * count).map(|i| i as f32).collect()).expect("vectors");
-        let graph = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &GraphParameters::default(), &|_| true);
-        let results = graph.expect("a graph").search(&base, count, count, &|_| true).expect("results");
+        let results = graph(&base, Metric::Euclidean).search(&base, count, count, &|_| true).expect("results");
         assert!(results.rows.iter().enumerate().all(|(i, row)| row.len() == count && row[0].index as usize == i));
     }
     // Zero vectors and sums that overflow give no NaN and no panic.
     for coordinate in [0.0, 1.0, f32::MAX] {
         let base = Vectors::new(3, vec![coordinate; 3 * 100]).expect("vectors");
         for metric in Metric::ALL {
-            let graph = Graph::build(&base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true)
-                .expect("a graph");
-            let results = graph.search(&base, 3, 10, &|_| true).expect("results");
+            let results = graph(&base, metric).search(&base, 3, 10, &|_| true).expect("results");
             assert_eq!(results.rows.len(), 100);
         }
     }
@@ -138,7 +133,7 @@ fn invalid_graphs_are_errors() {
     let parameters = GraphParameters::default();
     let stopped = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &parameters, &|done| done < 5).map(|_| ());
     assert_eq!(stopped, Err(SearchError::Stopped));
-    let graph = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
+    let graph = graph(&base, Metric::Euclidean);
     assert_eq!(graph.search(&base, 1, 1, &|_| false), Err(SearchError::Stopped));
     let error = graph.search(&base, 5, 4, &|_| true).expect_err("an error").to_string();
     assert_eq!(error, "ef is 4, expected at least the number of neighbours and at most 65536");

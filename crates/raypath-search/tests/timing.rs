@@ -1,10 +1,11 @@
 //! The cycle-exact simulation: neighbours, beats and fetches equal those of a search.
 
+use crate::common::graph;
 use raypath_model::{Control, Loop, Shape};
 use raypath_ops::JobKind;
 use raypath_search::{
-    Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, QueryAgent, SearchError,
-    SearchResults, SearchSpec, SearchTrace, TimingError, Vectors, Work, sweep_search, time_search,
+    Candidates, Clusters, Dataset, Exact, LaneCount, Metric, QueryAgent, SearchError, SearchResults, SearchSpec,
+    SearchTrace, TimingError, Vectors, Work, sweep_search, time_search,
 };
 use raypath_timing::report::Recorder;
 use raypath_timing::{Environment, Sample, SimulationError, Sink, System, Timing};
@@ -27,6 +28,11 @@ fn systems() -> [System; 5] {
         System { environment: environment(8, 40, stalls), ..System::default() },
         System { environment: environment(5, 9, stalls), shape: Shape { loops: slow_sums, ..Shape::default() } },
     ]
+}
+
+/// A search with 16 lanes.
+fn search<'s>(base: &'s Vectors, queries: &'s Vectors, metric: Metric, candidates: Candidates<'s>) -> SearchSpec<'s> {
+    SearchSpec { base, queries, metric, lanes: LaneCount::Sixteen, candidates }
 }
 
 fn clusters(vectors: usize, queries: usize, dimensions: usize) -> Dataset {
@@ -74,19 +80,11 @@ fn exact(lanes: LaneCount, dimensions: &[usize]) {
 fn simulated_graph_search_finds_the_same() {
     let Dataset { base, queries, .. } = clusters(600, 25, 20);
     for metric in Metric::ALL {
-        let graph =
-            Graph::build(&base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true).expect("a graph");
+        let graph = graph(&base, metric);
         for (count, ef) in [(5, 5), (10, 40), (1, 1)] {
             let expected = graph.search(&queries, count, ef, &|_| true).expect("results");
             let traces = graph.traces(&queries, count, ef, u64::MAX, &|_| true).expect("traces");
-            let spec = SearchSpec {
-                base: &base,
-                queries: &queries,
-                metric,
-                lanes: LaneCount::Sixteen,
-                candidates: Candidates::Traced(&traces),
-            };
-            assert_simulated(&spec, &expected);
+            assert_simulated(&search(&base, &queries, metric, Candidates::Traced(&traces)), &expected);
         }
     }
 }
@@ -101,7 +99,7 @@ fn cycles_follow_from_the_latencies() {
     let time = |metric, candidates, in_flight, memory_latency| {
         let environment = Environment { in_flight, memory_latency, ..Environment::default() };
         let system = System { environment, ..System::default() };
-        let spec = SearchSpec { base: &base, queries: &queries, metric, lanes: LaneCount::Sixteen, candidates };
+        let spec = search(&base, &queries, metric, candidates);
         time_search(&spec, Sample::ALL, &system, &mut (), &|_| true).expect("a timing").0.cycles
     };
     let (all, traced) = (Candidates::All { count: 1 }, Candidates::Traced(&traces));
@@ -130,9 +128,7 @@ fn owners(recorder: Recorder) -> Vec<u64> {
 fn beats_of_a_vector_are_consecutive() {
     // Three beats a vector.
     let Dataset { base, queries, .. } = clusters(20, 9, 40);
-    let candidates = Candidates::All { count: 1 };
-    let spec =
-        SearchSpec { base: &base, queries: &queries, metric: Metric::Euclidean, lanes: LaneCount::Sixteen, candidates };
+    let spec = search(&base, &queries, Metric::Euclidean, Candidates::All { count: 1 });
     for system in systems() {
         let mut recorder = new_recorder();
         time_search(&spec, Sample::ALL, &system, &mut recorder, &|_| true).expect("a timing");
@@ -148,16 +144,13 @@ fn beats_of_a_vector_are_consecutive() {
 #[test]
 fn samples_are_limited_by_beats() {
     let Dataset { base, queries, .. } = clusters(50, 12, 40);
-    let candidates = Candidates::All { count: 2 };
-    let spec =
-        SearchSpec { base: &base, queries: &queries, metric: Metric::Angular, lanes: LaneCount::Sixteen, candidates };
+    let spec = search(&base, &queries, Metric::Angular, Candidates::All { count: 2 });
     // 51 vectors of 5 beats.
     let within = |beats| spec.within(beats).numbers(spec.len()).len();
     assert_eq!([0, 254, 255, 509, 510, u64::MAX].map(within), [0, 0, 1, 1, 2, 12]);
     assert_eq!(spec.work(spec.within(600)), Work { evaluations: 102, beats: 510 });
 
-    let graph = Graph::build(&base, Metric::Angular, LaneCount::Sixteen, &GraphParameters::default(), &|_| true)
-        .expect("a graph");
+    let graph = graph(&base, Metric::Angular);
     let all = graph.traces(&queries, 2, 4, u64::MAX, &|_| true).expect("traces");
     let traced = |traces| SearchSpec { candidates: Candidates::Traced(traces), ..spec };
     let five = traced(&all).work(Sample::first(5)).beats;
@@ -178,9 +171,7 @@ fn samples_are_limited_by_beats() {
 #[test]
 fn sweep_points_equal_single_timings() {
     let Dataset { base, queries, .. } = clusters(50, 20, 40);
-    let candidates = Candidates::All { count: 1 };
-    let spec =
-        SearchSpec { base: &base, queries: &queries, metric: Metric::Angular, lanes: LaneCount::Sixteen, candidates };
+    let spec = search(&base, &queries, Metric::Angular, Candidates::All { count: 1 });
     let (sample, system) = (Sample::first(15), System::default());
     let (in_flight, latencies) = ([1, 4, 16], [0, 100]);
     let sweep = sweep_search(&spec, sample, &in_flight, &latencies, &system, &|_| true).expect("a sweep");
@@ -197,8 +188,7 @@ fn invalid_simulations_are_errors() {
     let Dataset { base, queries, .. } = clusters(3000, 60, 4);
     let other = Vectors::new(3, vec![0.0; 3]).expect("a vector");
     let time = |queries, candidates, in_flight, progress| {
-        let spec =
-            SearchSpec { base: &base, queries, metric: Metric::Euclidean, lanes: LaneCount::Sixteen, candidates };
+        let spec = search(&base, queries, Metric::Euclidean, candidates);
         let system = System { environment: Environment { in_flight, ..Environment::default() }, ..System::default() };
         time_search(&spec, Sample::ALL, &system, &mut (), progress).expect_err("an error")
     };

@@ -11,6 +11,24 @@ use within_radius::{Near, Points, WithinRadius, check, spec, stimulus};
 
 const NAME: &str = "within_radius";
 
+/// Declares an operation of points with a name.
+macro_rules! operation {
+    ($operation:ident = $name:literal, $output:ty, |$c:ident, $points:ident| $body:expr) => {
+        struct $operation;
+
+        impl Operation for $operation {
+            const NAME: &'static str = $name;
+            type Input<C: Circuit> = Points<C>;
+            type Output<C: Circuit> = $output;
+            type State<C: Circuit> = ();
+
+            fn run<C: Circuit>(&self, $c: C, $points: Points<C>, _: ()) -> ($output, ()) {
+                ($body, ())
+            }
+        }
+    };
+}
+
 fn arguments(folder: &std::path::Path, more: &[&str]) -> Arguments {
     let out = folder.display().to_string();
     let line = ["within_radius", "--quick", "--out", &out].into_iter().chain(more.iter().copied());
@@ -152,18 +170,11 @@ fn the_models_are_a_few_lines() {
 
 #[test]
 fn the_oracle_rejects_nan() {
-    struct NoNumber;
-    impl Operation for NoNumber {
-        const NAME: &'static str = "no_number";
-        type Input<C: Circuit> = Points<C>;
-        type Output<C: Circuit> = Near<C>;
-        type State<C: Circuit> = ();
-        fn run<C: Circuit>(&self, c: C, _: Points<C>, _: ()) -> (Near<C>, ()) {
-            c.stage(2, "∞ - ∞");
-            let none = c.infinity() - c.infinity();
-            (Near { is_near: Flags([c.bit(false); 4]), squared_distance: [none; 4] }, ())
-        }
-    }
+    operation!(NoNumber = "no_number", Near<C>, |c, _points| {
+        c.stage(2, "∞ - ∞");
+        let none = c.infinity() - c.infinity();
+        Near { is_near: Flags([c.bit(false); 4]), squared_distance: [none; 4] }
+    });
     let spec: AnyOperationSpec = OperationSpec::of(NoNumber).stimulus(stimulus).oracle("f64", check).into();
     let datapath = Datapath::new().with_any(spec.operation());
     let (netlist, specs) = (datapath.elaborate().expect("it fits"), [spec]);
@@ -196,39 +207,10 @@ fn the_template_is_right() {
     assert!(out.contains("Oracle of point_plane (f64): 0 of 500 random jobs have wrong results."), "{out}");
 }
 
-/// An operation with another name.
-macro_rules! renamed {
-    ($operation:ident, $name:literal) => {
-        struct $operation;
-
-        impl Operation for $operation {
-            const NAME: &'static str = $name;
-            type Input<C: Circuit> = Points<C>;
-            type Output<C: Circuit> = Near<C>;
-            type State<C: Circuit> = ();
-
-            fn run<C: Circuit>(&self, c: C, points: Points<C>, _: ()) -> (Near<C>, ()) {
-                WithinRadius.run(c, points, ())
-            }
-        }
-    };
-}
-renamed!(BuiltIn, "quadbox");
-renamed!(Capitals, "MyOp");
-
-/// An operation whose output has no name.
-struct Bare;
-
-impl Operation for Bare {
-    const NAME: &'static str = "bare";
-    type Input<C: Circuit> = Points<C>;
-    type Output<C: Circuit> = Num<C>;
-    type State<C: Circuit> = ();
-
-    fn run<C: Circuit>(&self, _: C, points: Points<C>, _: ()) -> (Num<C>, ()) {
-        (points.radius, ())
-    }
-}
+operation!(BuiltIn = "quadbox", Near<C>, |c, points| WithinRadius.run(c, points, ()).0);
+operation!(Capitals = "MyOp", Near<C>, |c, points| WithinRadius.run(c, points, ()).0);
+// An operation whose output has no name.
+operation!(Bare = "bare", Num<C>, |_c, points| points.radius);
 
 #[test]
 fn operations_that_a_datapath_cannot_have_are_refused() {

@@ -4,7 +4,6 @@ use super::sequence::{RaySequence, SingleRay};
 use super::{PictureError, PictureSpec, RayBatch};
 use crate::render::RenderError;
 use crate::{Blocks, Goal, Hit, Picture, UnitErrors};
-use image::Rgb;
 use raypath_model::Shape;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, Sample};
@@ -45,11 +44,7 @@ pub fn time_picture_through_unit(
     let blocks = spec.scene.blocks().ok_or(PictureError::NotInMemory)?;
     let two_sided = spec.shading.tracing.two_sided;
     let (timing, colours) = run(sequences, blocks, two_sided, system, progress)?;
-    let mut picture = Picture::new(spec.size.0, spec.size.1);
-    for (number, colour) in numbers.zip(colours) {
-        picture.put_pixel(number as u32 % spec.size.0, number as u32 / spec.size.0, Rgb(colour));
-    }
-    Ok((timing, picture))
+    Ok((timing, spec.drawn(numbers, colours)))
 }
 
 /// Simulates the tracing of rays through the unit, and returns the closest hits of the rays of the sample, in order.

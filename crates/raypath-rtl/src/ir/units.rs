@@ -120,15 +120,16 @@ impl fmt::Display for UnitKind {
 
 impl Units {
     /// The number of units of one kind.
-    pub fn of(self, kind: UnitKind) -> usize {
-        match kind {
-            UnitKind::Encode => self.encode,
-            UnitKind::Add => self.add,
-            UnitKind::Sum => self.sum,
-            UnitKind::Multiply => self.multiply,
-            UnitKind::Compare => self.compare,
-            UnitKind::Decode => self.decode,
+    pub fn of(mut self, kind: UnitKind) -> usize {
+        *self.of_mut(kind)
+    }
+
+    /// A function of both numbers of units of each kind.
+    pub fn join(mut self, other: Self, each: impl Fn(usize, usize) -> usize) -> Self {
+        for kind in UnitKind::ALL {
+            *self.of_mut(kind) = each(self.of(kind), other.of(kind));
         }
+        self
     }
 
     /// The number of units of one kind, for modification.
@@ -147,14 +148,7 @@ impl Units {
 impl Add for Units {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self {
-            encode: self.encode + other.encode,
-            add: self.add + other.add,
-            sum: self.sum + other.sum,
-            multiply: self.multiply + other.multiply,
-            compare: self.compare + other.compare,
-            decode: self.decode + other.decode,
-        }
+        self.join(other, usize::add)
     }
 }
 

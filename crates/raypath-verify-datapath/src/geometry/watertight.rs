@@ -8,8 +8,8 @@ use super::visibility::{Visibility, visibility};
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{
-    Binary32, Culling, EdgeRule, Job, Operation, Outcome, Ray, RayTriangleExtended, RayTriangleExtendedInput,
-    RayTriangleInput, RayTriangleOutput, Rounding, Rules, Triangle,
+    Binary32, EdgeRule, Job, Operation, Outcome, Ray, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleInput,
+    RayTriangleOutput, Rounding, Rules, Triangle,
 };
 use raypath_verify::campaign::{Campaign, Tally};
 use raypath_verify::{Error, Request, Verdict};
@@ -123,15 +123,7 @@ pub fn datapath(
 
 /// Whether the datapath hits a triangle whose edges may belong to others.
 fn once(ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> bool {
-    let triangles = RayTriangleExtended {
-        rules: Rules::Paper,
-        rounding: Rounding::Unit,
-        edges: EdgeRule::Once,
-        culling: Culling::Back,
-        facing: false,
-        barycentrics: false,
-        range: false,
-    };
+    let triangles = RayTriangleExtended { edges: EdgeRule::Once, ..RayTriangleExtended::PLAIN };
     let input = RayTriangleExtendedInput { ray: *ray, triangle: Triangle::new(a, b, c), t_min: 0.0.into() };
     triangles.run(Binary32, input, ()).0.triangle_hit.into()
 }
