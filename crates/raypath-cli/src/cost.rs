@@ -3,10 +3,9 @@
 
 #[cfg(feature = "workbench")]
 use crate::{error::CliError, measure::measure};
-use comfy_table::CellAlignment;
 #[cfg(feature = "workbench")]
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report};
-use raypath_rtl::report::tables::{list, new_table};
+use raypath_rtl::report::tables::{list, right_aligned, table};
 use raypath_rtl::{self as rtl, Units};
 use raypath_sim::Datapath;
 #[cfg(feature = "workbench")]
@@ -92,12 +91,10 @@ impl Cost {
 
     /// Both datapaths and the difference, in a table.
     pub fn table(&self) -> String {
-        let mut table = new_table();
-        table.set_header(["", "without it", "with it", "added"]);
         let (without, with) = (self.without, self.with);
-        table.add_row(["units".to_string(), list(without.units), list(with.units), self.added_units_in_words()]);
+        let units = ["units".to_string(), list(without.units), list(with.units), self.added_units_in_words()];
         let [a, b] = [without.flip_flops, with.flip_flops].map(|count| count.to_string());
-        table.add_row(["flip-flops".to_string(), a, b, format!("{:+}", self.added_flip_flops())]);
+        let mut rows = vec![units, ["flip-flops".to_string(), a, b, format!("{:+}", self.added_flip_flops())]];
         if let (Some(without), Some(with)) = (without.area, with.area) {
             let share = if without.0 > 0.0 {
                 format!(" ({:+.1} %)", 100.0 * (with.0 / without.0 - 1.0))
@@ -107,14 +104,11 @@ impl Cost {
             let areas =
                 [format!("{:.0}", without.0), format!("{:.0}", with.0), format!("{:+.0}{share}", with.0 - without.0)];
             let [a, b, c] = areas;
-            table.add_row(["area, µm²".to_string(), a, b, c]);
+            rows.push(["area, µm²".to_string(), a, b, c]);
             let [a, b, c] = [without.1, with.1, with.1 - without.1].map(|ns| format!("{ns:.2}"));
-            table.add_row(["slowest path, ns".to_string(), a, b, c]);
+            rows.push(["slowest path, ns".to_string(), a, b, c]);
         }
-        for column in table.column_iter_mut().skip(1) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-        table.to_string()
+        right_aligned(table(["", "without it", "with it", "added"], rows), 1)
     }
 }
 

@@ -1,36 +1,26 @@
 //! Reports as tables and text.
 
 use crate::report::{Cells, Report};
-use comfy_table::{CellAlignment, Table};
-use raypath_rtl::report::tables::new_table;
+use raypath_rtl::report::tables::{right_aligned, table};
 use raypath_tools::grouped;
 
 /// A table of cells and of the slowest path by stage.
 pub fn stages(report: &Report) -> String {
     let heads = ["stage", "LUT4", "carry cells", "multipliers", "flip-flops", "block RAM", "LUT RAM", "slowest, ns"];
-    let mut table = new_table();
-    table.set_header(heads);
-    let mut row = |name: &str, cells: &Cells, slowest: Option<f64>| {
+    let row = |name: &str, cells: &Cells, slowest: Option<f64>| {
         let Cells { luts, carry_cells, multipliers, flip_flops, block_rams, distributed_rams } = *cells;
         let counts = [luts, carry_cells, multipliers, flip_flops, block_rams, distributed_rams].map(grouped);
         let slowest = slowest.map_or(String::new(), |ns| format!("{ns:.2}"));
-        table.add_row([&[name.to_string()], counts.as_slice(), &[slowest]].concat());
+        [&[name.to_string()], counts.as_slice(), &[slowest]].concat()
     };
-    for stage in &report.stages {
-        row(&stage.name, &stage.cells, stage.slowest_ns);
-    }
-    row("all", &report.cells, Some(report.period_ns));
-    aligned(table)
+    let stages = report.stages.iter().map(|stage| row(&stage.name, &stage.cells, stage.slowest_ns));
+    right_aligned(table(heads, stages.chain([row("all", &report.cells, Some(report.period_ns))])), 1)
 }
 
 /// A table of the signals on the slowest path.
 pub fn path(report: &Report) -> String {
-    let mut table = new_table();
-    table.set_header(["signal on the slowest path", "ns"]);
-    for step in &report.path {
-        table.add_row([step.signal.clone(), format!("{:.2}", step.ns)]);
-    }
-    aligned(table)
+    let rows = report.path.iter().map(|step| [step.signal.clone(), format!("{:.2}", step.ns)]);
+    right_aligned(table(["signal on the slowest path", "ns"], rows), 1)
 }
 
 /// The main figures in three lines of text.
@@ -70,10 +60,4 @@ pub fn summary(report: &Report) -> String {
 
 fn share(part: u64, whole: u64) -> f64 {
     100.0 * part as f64 / whole.max(1) as f64
-}
-
-/// A table whose columns but the first are aligned at the right.
-fn aligned(mut table: Table) -> String {
-    table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
-    table.to_string()
 }

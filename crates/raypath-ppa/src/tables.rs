@@ -2,7 +2,7 @@
 
 use crate::{Area, Baseline, Exploration, Power, Report, Stage, WorkloadPower};
 use comfy_table::{CellAlignment, Table};
-use raypath_rtl::report::tables::new_table;
+use raypath_rtl::report::tables::table;
 use raypath_tools::grouped;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,10 +15,7 @@ pub(crate) struct Cells {
 impl Cells {
     /// The table; columns of numbers from `from` on are aligned to the right.
     fn printed(self, from: usize) -> String {
-        let mut table = new_table();
-        table.set_header(self.head);
-        self.rows.into_iter().for_each(|row| _ = table.add_row(row));
-        aligned(table, from)
+        aligned(table(self.head, self.rows), from)
     }
 }
 
@@ -52,13 +49,12 @@ pub(crate) fn area_cells(report: &Report) -> Cells {
 
 /// A table of units by kind: number, area of one, area of all.
 pub fn units(report: &Report) -> String {
-    let mut table = table(&["unit", "number", "area of one", "area of all", "share"]);
-    for (kind, units) in &report.area.units {
+    let rows = report.area.units.iter().map(|(kind, units)| {
         let one = units.area / units.count as f64;
         let share = percent(units.area / report.area.total);
-        table.add_row([kind.clone(), grouped(units.count), rounded(one), rounded(units.area), share]);
-    }
-    aligned(table, 1)
+        [kind.clone(), grouped(units.count), rounded(one), rounded(units.area), share]
+    });
+    aligned(table(["unit", "number", "area of one", "area of all", "share"], rows), 1)
 }
 
 /// A table of the slowest path to each stage: its delay, its ends and the elements between.
@@ -111,7 +107,7 @@ pub fn summary(report: &Report) -> String {
 
 /// A table of the report's figures divided by those of a baseline.
 pub fn comparison(report: &Report, baseline: &Baseline) -> String {
-    let mut table = table(&["stage", "area", "flip-flops", "slowest path"]);
+    let mut rows = Vec::new();
     for stage in &report.stages {
         let Some(theirs) = baseline.stage(&stage.name) else { continue };
         let area = theirs.area.map(|theirs| ratio(stage.area.total, theirs.total));
@@ -119,24 +115,23 @@ pub fn comparison(report: &Report, baseline: &Baseline) -> String {
         let slowest =
             stage.slowest.as_ref().zip(theirs.slowest.as_ref()).map(|(ours, theirs)| ratio(ours.ns, theirs.ns));
         let cells = [area, flip_flops, slowest].map(Option::unwrap_or_default);
-        table.add_row([std::slice::from_ref(&stage.name), cells.as_slice()].concat());
+        rows.push([std::slice::from_ref(&stage.name), cells.as_slice()].concat());
     }
-    table.add_row([
+    rows.push(vec![
         "all".to_string(),
         ratio(report.area.total, baseline.area.total),
         ratio(report.flip_flops as f64, baseline.flip_flops as f64),
         ratio(report.slowest.ns, baseline.slowest.ns),
     ]);
-    aligned(table, 1)
+    aligned(table(["stage", "area", "flip-flops", "slowest path"], rows), 1)
 }
 
 /// A table of configurations, a row each.
 pub fn explored(exploration: &Exploration) -> String {
     let head = ["", "mm²", "kGE", "flip-flops", "ns", "slowest", "MHz", "mm² ns", "box tests/s", "dimensions/s"];
-    let mut table = table(&head);
-    for point in &exploration.points {
+    let rows = exploration.points.iter().map(|point| {
         let report = &point.report;
-        table.add_row([
+        [
             point.name.clone(),
             format!("{:.3}", report.area.total / 1e6),
             format!("{:.1}", report.kilo_gates),
@@ -147,16 +142,15 @@ pub fn explored(exploration: &Exploration) -> String {
             format!("{:.2}", report.area_period),
             millions(point.boxes_per_second),
             millions(point.dimensions_per_second),
-        ]);
-    }
-    aligned(table, 1)
+        ]
+    });
+    aligned(table(head, rows), 1)
 }
 
 /// A table of workloads, a row each: power, energy of a cycle and of a job, and their parts.
 pub fn workloads(power: &Power) -> String {
     let head = ["workload", "jobs", "mW", "pJ per cycle", "pJ per job", "clock pins", "in cells", "loads", "leakage"];
-    let mut table = table(&head);
-    for workload in &power.workloads {
+    let rows = power.workloads.iter().map(|workload| {
         let whole = workload.picojoules_per_cycle;
         let parts = [workload.clock, workload.internal, workload.switching, workload.leakage];
         let shares = parts.map(|part| percent(part / whole));
@@ -167,9 +161,9 @@ pub fn workloads(power: &Power) -> String {
             format!("{whole:.1}"),
             workload.picojoules_per_job.map(|energy| format!("{energy:.1}")).unwrap_or_default(),
         ];
-        table.add_row(figures.into_iter().chain(shares));
-    }
-    aligned(table, 1)
+        figures.into_iter().chain(shares)
+    });
+    aligned(table(head, rows), 1)
 }
 
 /// A table of energy by kind, a column for each workload.
@@ -192,12 +186,11 @@ pub fn energy_by_stage(power: &Power) -> String {
 
 fn energies<'r>(what: &str, power: &Power, rows: impl Iterator<Item = (&'r str, Vec<f64>)>) -> String {
     let names = power.workloads.iter().map(|workload| workload.name.as_str());
-    let mut table = table(&[what].into_iter().chain(names).collect::<Vec<_>>());
-    for (name, figures) in rows {
+    let rows = rows.map(|(name, figures)| {
         let figures = figures.into_iter().map(|energy| format!("{energy:.2}"));
-        table.add_row([name.to_string()].into_iter().chain(figures));
-    }
-    aligned(table, 1)
+        [name.to_string()].into_iter().chain(figures)
+    });
+    aligned(table([what].into_iter().chain(names), rows), 1)
 }
 
 /// The conditions of power figures, and the share of idle power, as text.
@@ -215,12 +208,6 @@ pub fn power_summary(power: &Power) -> String {
         "Energies of cells by OpenSTA; no glitches, no wires, no clock tree.".to_string(),
     ];
     lines.join("\n")
-}
-
-pub(crate) fn table(head: &[&str]) -> Table {
-    let mut table = new_table();
-    table.set_header(head);
-    table
 }
 
 /// Aligns columns of numbers to the right: each column from `from` on, all of whose cells begin with digits.

@@ -1,17 +1,15 @@
 use super::Row;
 use raypath_float::Format;
-use raypath_rtl::report::tables::new_table;
+use raypath_rtl::report::tables;
 
 /// The rows as a table in Markdown. Columns `a` compare with binary64 on the rounded inputs, `b` on the original ones.
 pub fn table(rows: &[Row]) -> String {
-    let mut table = new_table();
     let mut header = ["format", "result", "compared", "hits"].map(String::from).to_vec();
     for reference in ["a", "b"] {
         header.extend(["differ", "50 %", "99 %", "max"].map(|column| format!("{reference} {column}")));
     }
     header.push("no number".to_string());
-    table.set_header(header);
-    for row in rows {
+    let rows = rows.iter().map(|row| {
         let hits_only = |cell: String| if row.quantity.may_miss() { cell } else { String::new() };
         let mut cells = vec![row.format.name(), row.quantity.to_string(), row.on_original.results.to_string()];
         cells.push(hits_only(row.on_original.hits.to_string()));
@@ -23,9 +21,9 @@ pub fn table(rows: &[Row]) -> String {
             });
         }
         cells.push(row.on_original.not_finite.to_string());
-        table.add_row(cells);
-    }
-    table.to_string()
+        cells
+    });
+    tables::table(header, rows).to_string()
 }
 
 /// A count and its share: `3, 0.12 %`; without a share if one of the numbers is 0.

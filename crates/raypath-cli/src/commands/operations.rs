@@ -5,7 +5,7 @@ use clap::Args;
 use comfy_table::{CellAlignment, ContentArrangement};
 use raypath_oracle::AnyOperationSpec;
 use raypath_rtl::Config;
-use raypath_rtl::report::tables::new_table;
+use raypath_rtl::report::tables::table;
 use raypath_sim::Datapath;
 use std::io::Write;
 use std::path::PathBuf;
@@ -22,23 +22,23 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = Config::DEFAULT;
-    // One row per line, so that a document can contain the table unchanged.
-    let mut table = new_table();
-    table.set_content_arrangement(ContentArrangement::Disabled);
     let mut head = vec!["operation", "for", "latency", "units added", "flip-flops added"];
     if arguments.area {
         head.extend(["area added", "slowest path"]);
     }
     head.push("verified by");
-    table.set_header(head);
+    let mut rows = Vec::new();
     for entry in paper(config).into_iter().chain(extra()) {
         let datapath = entry.datapath(config);
         let mut cost = Cost::of(&datapath, entry.name)?;
         if arguments.area {
             cost = measured(cost, &datapath, entry.name, arguments)?;
         }
-        table.add_row(row(&entry, &cost));
+        rows.push(row(&entry, &cost));
     }
+    let mut table = table(head, rows);
+    // One row per line, so that a document can contain the table unchanged.
+    table.set_content_arrangement(ContentArrangement::Disabled);
     for column in [2, 4, 5, 6].into_iter().filter(|&column| arguments.area || column < 5) {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);

@@ -3,8 +3,9 @@
 use super::metric::{Goal, Metric};
 use super::predictor::Candidate;
 use super::search::{Found, Outcome, Search, Status};
-use crate::tables::{aligned, area_cells, path_cells, summary, table};
+use crate::tables::{aligned, area_cells, path_cells, summary};
 use crate::{Report, Setting};
+use raypath_rtl::report::tables::table;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -95,17 +96,15 @@ impl SearchReport {
     /// A table of the front, whose configurations are named by their options.
     pub fn table(&self) -> String {
         let metrics: Vec<Metric> = Metric::ALL.into_iter().filter(|metric| self.has(*metric)).collect();
-        let names: Vec<String> = metrics.iter().map(|metric| metric.unit().to_string()).collect();
-        let head: Vec<&str> = ["options"].into_iter().chain(names.iter().map(String::as_str)).collect();
-        let mut front = table(&head);
-        for point in self.front() {
+        let head = ["options"].into_iter().chain(metrics.iter().map(|metric| metric.unit()));
+        let rows = self.front().into_iter().map(|point| {
             let values = metrics
                 .iter()
                 .map(|metric| point.found.values.get(metric).map(|value| metric.shown(*value)).unwrap_or_default());
             let options = if point.options.is_empty() { "the default" } else { &point.options };
-            front.add_row([options.to_string()].into_iter().chain(values));
-        }
-        aligned(front, 1)
+            [options.to_string()].into_iter().chain(values)
+        });
+        aligned(table(head, rows), 1)
     }
 
     /// Whether a configuration has a value of the metric.

@@ -1,36 +1,32 @@
 //! The datapath in tables: schedule (Table VII), units (Table VIII) and registers, all computed from the netlist.
 
 use crate::{
-    Budget, Config, DatapathNetlist, EXCEPTIONS, Exception, Lanes, PRESETS, STAGES, StageNote, StepLabel, UnitKind,
-    UnitLatency, Units,
+    Budget, Config, DatapathNetlist, EXCEPTIONS, Exception, Lanes, PRESETS, Preset, STAGES, StageNote, StepLabel,
+    UnitKind, UnitLatency, Units,
 };
 use comfy_table::presets::ASCII_MARKDOWN;
-use comfy_table::{ContentArrangement, Table};
+use comfy_table::{CellAlignment, ContentArrangement, Row, Table};
 use raypath_ops::{JobKind, Rules};
 
 /// Table VII: the work of each operation in each step.
 pub fn schedule(datapath: &DatapathNetlist) -> String {
-    let mut table = new_table();
     let operations: Vec<&str> = datapath.schedule(1).iter().map(|note| note.operation).collect();
-    table.set_header([&["stage"], operations.as_slice()].concat());
-    for (index, step) in datapath.steps().enumerate().skip(1) {
-        let mut row = vec![step.to_string()];
-        row.extend(datapath.schedule(index).iter().map(cell));
-        table.add_row(row);
-    }
-    table.to_string()
+    let row = |(index, step): (usize, StepLabel)| {
+        [step.to_string()].into_iter().chain(datapath.schedule(index).iter().map(cell)).collect::<Vec<_>>()
+    };
+    let rows = datapath.steps().enumerate().skip(1).map(row);
+    table([&["stage"], operations.as_slice()].concat(), rows).to_string()
 }
 
 /// The work of one operation in each step, and the units of the step for all operations.
 pub fn schedule_of(datapath: &DatapathNetlist, operation: &str) -> String {
-    let mut table = new_table();
-    table.set_header(["stage", operation, "units that are there"]);
-    for (index, step) in datapath.steps().enumerate().skip(1) {
+    let row = |(index, step): (usize, StepLabel)| {
         let notes = datapath.schedule(index);
         let own = notes.iter().find(|note| note.operation == operation).map(cell).unwrap_or_default();
-        table.add_row([step.to_string(), own, list(datapath.units(index))]);
-    }
-    table.to_string()
+        [step.to_string(), own, list(datapath.units(index))]
+    };
+    let rows = datapath.steps().enumerate().skip(1).map(row);
+    table(["stage", operation, "units that are there"], rows).to_string()
 }
 
 fn cell(note: &StageNote) -> String {
@@ -54,13 +50,12 @@ pub fn units_and_registers(datapath: &DatapathNetlist, config: Config) -> String
         }
         cells
     };
-    let mut table = new_table();
     let mut header = vec!["stage", "units", "live bits", "flip-flops"];
     if has_paper {
         header.insert(2, "Table VIII");
         header.push("why the units differ");
     }
-    table.set_header(header);
+    let mut rows = Vec::new();
     let (mut all, mut live, mut flip_flops) = (Units::default(), 0, 0);
     for (index, step) in datapath.steps().enumerate() {
         let registers = datapath.registers(index);
@@ -69,11 +64,11 @@ pub fn units_and_registers(datapath: &DatapathNetlist, config: Config) -> String
         live += registers.live;
         flip_flops += registers.flip_flops();
         let why = difference(datapath, config, index).join("; ");
-        table.add_row(row(&step.to_string(), units, paper_units(step), registers.live, registers.flip_flops(), &why));
+        rows.push(row(&step.to_string(), units, paper_units(step), registers.live, registers.flip_flops(), &why));
     }
     let paper = (1..=STAGES).map(|stage| Budget::TABLE_VIII.units(stage)).sum();
-    table.add_row(row("all", all, paper, live, flip_flops, ""));
-    table.to_string()
+    rows.push(row("all", all, paper, live, flip_flops, ""));
+    table(header, rows).to_string()
 }
 
 /// Whether Table VIII has this configuration: 16 lanes or none, and units of one stage.
@@ -84,22 +79,15 @@ fn is_in_table_viii(config: Config) -> bool {
 
 /// The configurations with names.
 pub fn presets() -> String {
-    let mut table = new_table();
-    table.set_header(["preset", "what differs from the first", "what it is for"]);
-    for preset in PRESETS {
-        table.add_row([preset.name.to_string(), preset.config.options(), preset.purpose.to_string()]);
-    }
-    table.to_string()
+    let row = |preset: &Preset| [preset.name.to_string(), preset.config.options(), preset.purpose.to_string()];
+    table(["preset", "what differs from the first", "what it is for"], PRESETS.iter().map(row)).to_string()
 }
 
 /// The values of parameters that cannot be combined.
 pub fn exceptions() -> String {
-    let mut table = new_table();
-    table.set_header(["refused", "together with", "because"]);
-    for Exception { values, with, reason, .. } in EXCEPTIONS {
-        table.add_row([values.to_string(), with.to_string(), reason.to_string()]);
-    }
-    table.to_string()
+    let row =
+        |Exception { values, with, reason, .. }: &Exception| [values.to_string(), with.to_string(), reason.to_string()];
+    table(["refused", "together with", "because"], EXCEPTIONS.iter().map(row)).to_string()
 }
 
 /// The reason why a step, by its index in [`DatapathNetlist::steps`], has other units than its stage in Table VIII; empty if
@@ -157,12 +145,19 @@ pub fn list(units: Units) -> String {
     present.join(", ")
 }
 
-/// An empty table in the format of all tables: Markdown that fits the terminal.
-pub fn new_table() -> Table {
+/// A table in the format of all tables: Markdown that fits the terminal.
+pub fn table<R: Into<Row>>(head: impl Into<Row>, rows: impl IntoIterator<Item = R>) -> Table {
     let mut table = Table::new();
     table.load_preset(ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
     if table.width().is_none() {
         table.set_width(140);
     }
+    table.set_header(head).add_rows(rows);
     table
+}
+
+/// The text of a table whose columns from `from` on are aligned to the right.
+pub fn right_aligned(mut table: Table, from: usize) -> String {
+    table.column_iter_mut().skip(from).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
+    table.to_string()
 }

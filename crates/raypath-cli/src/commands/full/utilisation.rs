@@ -1,7 +1,6 @@
 //! The utilisation of a datapath's units: Table VIII with the share of cycles in which each unit worked.
 
-use comfy_table::CellAlignment;
-use raypath_rtl::report::tables::new_table;
+use raypath_rtl::report::tables::{self, right_aligned};
 use raypath_rtl::{DatapathNetlist, UnitKind};
 use raypath_timing::report::{StageUse, UnitUse};
 
@@ -46,22 +45,15 @@ pub fn table(stages: &[StageUse], operations: &[String]) -> String {
     let share = |unit: &UnitUse, opcode: usize| unit.by_operation.get(opcode).copied().unwrap_or(0.0);
     let is_busy = |opcode: usize| stages.iter().flat_map(|stage| &stage.units).any(|unit| share(unit, opcode) > 0.0);
     let busy: Vec<(usize, &String)> = operations.iter().enumerate().filter(|&(opcode, _)| is_busy(opcode)).collect();
-    let mut table = new_table();
     let mut head = vec!["stage".to_string(), "units".to_string(), "busy".to_string()];
     head.extend(busy.iter().map(|(_, name)| name.to_string()));
-    table.set_header(head);
-    for stage in stages {
-        for unit in &stage.units {
-            let mut row =
-                vec![stage.number.to_string(), format!("{} x {}", unit.count, unit.name), percent(unit.total)];
-            row.extend(busy.iter().map(|&(opcode, _)| percent(share(unit, opcode))));
-            table.add_row(row);
-        }
-    }
-    for column in table.column_iter_mut().skip(2) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table.to_string()
+    let units = stages.iter().flat_map(|stage| stage.units.iter().map(move |unit| (stage.number, unit)));
+    let rows = units.map(|(number, unit)| {
+        let mut row = vec![number.to_string(), format!("{} x {}", unit.count, unit.name), percent(unit.total)];
+        row.extend(busy.iter().map(|&(opcode, _)| percent(share(unit, opcode))));
+        row
+    });
+    right_aligned(tables::table(head, rows), 2)
 }
 
 fn percent(share: f64) -> String {
