@@ -171,8 +171,7 @@ struct Swept {
     bound: f64,
 }
 
-/// The jobs per cycle over contexts, latencies and widths, with the bound of each point: one job a cycle, the contexts'
-/// jobs in the time of a ray alone, and the beats of the memory.
+/// The jobs per cycle over contexts, latencies and widths, with the bound of each point.
 fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Vec<Swept>, CliError> {
     let points: Vec<(u32, u64, u32)> = widths(system)
         .iter()
@@ -227,9 +226,10 @@ fn plot(points: &[Swept], widths: [u32; 3]) -> Plot {
 }
 
 /// The greatest number of jobs per cycle: 1; what `contexts` rays ask for if each takes as long as it does alone; what
-/// the beats of the memory allow.
+/// the beats of the memory allow, and one step a cycle.
 fn bound(found: &SystemTiming, alone: &SystemTiming, contexts: u32) -> f64 {
     let by_contexts = f64::from(contexts) * alone.jobs() as f64 / alone.ray_cycles.max(1) as f64;
     let by_memory = found.jobs() as f64 / found.beats.max(1) as f64;
-    by_contexts.min(by_memory).min(1.0)
+    let by_steps = found.jobs() as f64 / found.unit.steps.max(1) as f64;
+    by_contexts.min(by_memory).min(by_steps).min(1.0)
 }
