@@ -115,7 +115,7 @@ impl Scene {
     /// of the traversal unit with wide nodes.
     ///
     /// # Errors
-    /// Those of [`Blocks::of`].
+    /// They take more than 4 GiB, the tree has more than 64 levels, or a box has no quantised bounds.
     pub fn through_unit(self) -> Result<Self, BlocksError> {
         self.through_unit_of(NodeKind::Wide4)
     }
@@ -123,7 +123,7 @@ impl Scene {
     /// The same with these nodes.
     ///
     /// # Errors
-    /// Those of [`Blocks::of`].
+    /// They take more than 4 GiB, the tree has more than 64 levels, or a box has no quantised bounds.
     pub fn through_unit_of(mut self, nodes: NodeKind) -> Result<Self, BlocksError> {
         if self.blocks.as_ref().is_some_and(|blocks| blocks.nodes() == nodes) {
             return Ok(self);

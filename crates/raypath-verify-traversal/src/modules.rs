@@ -6,6 +6,7 @@ mod distance;
 mod hits;
 mod set_up;
 mod steps;
+mod window;
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -42,6 +43,7 @@ fn check_of(module: &Module) -> Option<Check> {
         "raypath_unit_decoder" => |bench, unit| decoder::run(bench, unit.step.node),
         "raypath_unit_distance" => |bench, _| distance::run(bench),
         "raypath_unit_hits" => |bench, unit| hits::run(bench, unit),
+        "raypath_unit_window" => |bench, _| window::run(bench),
         _ => return None,
     };
     Some(check)
