@@ -59,7 +59,13 @@ fn other_scenes_are_refused() {
     // A node that is its own child.
     let mut bytes = old.bytes().to_vec();
     bytes[96..100].copy_from_slice(&old.root().to_le_bytes());
-    assert_eq!(problem(&bytes, old.root(), &mesh), Some(RefitError::TooDeep));
+    assert_eq!(problem(&bytes, old.root(), &mesh), Some(RefitError::Repeated(0)));
+    // A mesh with one more triangle, and a scene with more than a tree.
+    let more = Mesh::new(mesh.positions().to_vec(), [mesh.triangles(), &[[0, 1, 9]]].concat()).unwrap();
+    let count = mesh.triangles().len();
+    assert_eq!(problem(old.bytes(), old.root(), &more), Some(RefitError::Missing(count as u32)));
+    let others = Some(RefitError::Others { blocks: old.len() + 1, found: old.len() });
+    assert_eq!(problem(&[old.bytes(), &[0; 128]].concat(), old.root(), &mesh), others);
     assert_eq!(problem(old.bytes(), 33, &mesh), Some(RefitError::Content("an instance")));
     assert_eq!(problem(old.bytes(), 17, &mesh), Some(RefitError::Content("a procedural box")));
 }

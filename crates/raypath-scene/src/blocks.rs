@@ -57,7 +57,7 @@ impl Blocks {
     /// # Errors
     /// They take more than 4 GiB, the tree has more than 64 levels, or a box has no quantised bounds.
     pub(crate) fn of<const WIDTH: usize>(bvh: &Bvh<WIDTH>, kind: NodeKind) -> Result<Self, BlocksError> {
-        let levels = bvh.levels() * kind.node_levels();
+        let levels = bvh.levels() * kind.node_levels(WIDTH);
         check_levels(levels)?;
         let block_bytes = kind.block_bytes();
         let leaves = bvh.nodes().iter().flat_map(children).filter_map(|(_, child)| match child.target() {
@@ -162,12 +162,14 @@ impl Blocks {
         let kind = self.nodes;
         let (first, block_bytes) = (self.bytes.len() as u32, kind.block_bytes());
         let (mut nodes, mut shares, mut depth) = (Vec::new(), Vec::new(), 0);
-        nodes.extend((parts.len() > 1).then_some((0..parts.len(), 1)));
-        while let Some((node, level)) = nodes.get(shares.len()).cloned() {
+        // Each with the levels above it.
+        nodes.extend((parts.len() > 1).then_some((0..parts.len(), 0)));
+        while let Some((node, above)) = nodes.get(shares.len()).cloned() {
             let own = divided(parts, node, kind.children());
-            nodes.extend(own.iter().filter(|share| share.len() > 1).map(|share| (share.clone(), level + 1)));
+            let levels = above + kind.node_levels(own.len());
+            nodes.extend(own.iter().filter(|share| share.len() > 1).map(|share| (share.clone(), levels)));
             shares.push(own);
-            depth = level;
+            depth = levels.max(depth);
         }
         let (mut instances, mut children) = (Vec::new(), (1..).map(|node| first + node * block_bytes));
         let mut child = |share: &Range<usize>| {
@@ -193,7 +195,7 @@ impl Blocks {
         };
         self.bytes.extend(instances);
         let below = placed.iter().map(|Placed { object: (_, levels), .. }| levels + 1).max().unwrap_or(0);
-        self.levels = below + depth * kind.node_levels();
+        self.levels = below + depth;
         Ok(())
     }
 

@@ -76,7 +76,7 @@ impl Blocks {
                 leaves.extend(LeafTriangle::to_bytes(&triangles, 0, KIND));
             }
         }
-        let levels = KIND.node_levels() * levels.into_iter().max().unwrap_or(0);
+        let levels = KIND.node_levels(KIND.children()) * levels.into_iter().max().unwrap_or(0);
         check_levels(levels)?;
         let bytes = [blocks.into_flattened(), leaves].concat();
         check_size(bytes.len() as u64)?;

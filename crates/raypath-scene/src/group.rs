@@ -146,25 +146,28 @@ impl Moved<'_> {
     /// Moves what a child word refers to, once, and returns its levels.
     fn levels(&mut self, word: u32, above: u32) -> Result<u32, String> {
         let child = Child::of(word, self.nodes).map_err(|problem| problem.to_string())?;
-        let (address, own) = match child {
-            Child::Node { address } => (address, self.nodes.node_levels()),
+        let address = match child {
+            Child::Node { address } => address,
             Child::Instance { address } => {
                 self.has_instances = true;
-                (address, 1)
+                address
             }
             Child::None | Child::Leaf { .. } | Child::Box { .. } => return Ok(0),
         };
         if let Some(levels) = self.levels.get(&address) {
             return Ok(*levels);
         }
-        if above >= raypath_traversal::LEVELS {
-            return Err(BlocksError::TooDeep { levels: above + own }.to_string());
-        }
         let bytes = self.bytes.len();
         let missing = || format!("a block at address {address:#x}, expected one of its {bytes} bytes");
         let block = address as usize..address as usize + self.nodes.block_bytes() as usize;
+        let mut words = children(self.bytes.get(block.clone()).ok_or_else(missing)?, child, self.nodes);
+        words.retain(|word| *word != 0);
+        let own = if let Child::Node { .. } = child { self.nodes.node_levels(words.len()) } else { 1 };
+        if above + own > raypath_traversal::LEVELS {
+            return Err(BlocksError::TooDeep { levels: above + own }.to_string());
+        }
         let mut below = 0;
-        for word in children(self.bytes.get(block.clone()).ok_or_else(missing)?, child, self.nodes) {
+        for word in words {
             below = below.max(self.levels(word, above + own)?);
         }
         move_children(&mut self.bytes[block], child, self.nodes, self.offset);

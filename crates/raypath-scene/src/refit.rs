@@ -5,6 +5,7 @@ use crate::mesh::{Bounds, Mesh};
 use raypath_ops::Aabb;
 use raypath_traversal::LEVELS;
 use raypath_traversal::blocks::{Child, InvalidChild, LeafTriangle, NodeKind, children};
+use std::collections::HashSet;
 use thiserror::Error;
 
 /// The reason why a scene cannot have the vertices of a mesh.
@@ -24,6 +25,9 @@ pub enum RefitError {
     /// A tree that ends nowhere.
     #[error("more than {LEVELS} levels of nodes, expected at most so many")]
     TooDeep,
+    /// A block that two parts of the tree have.
+    #[error("the block at address {0:#x} comes twice in the tree, expected once")]
+    Repeated(u32),
     /// A triangle that the mesh does not have.
     #[error("triangle {index} in the scene, expected less than {triangles}, the number of triangles of the mesh")]
     Triangle {
@@ -31,6 +35,19 @@ pub enum RefitError {
         index: u32,
         /// The number of triangles of the mesh.
         triangles: usize,
+    },
+    /// A triangle of the mesh that the scene does not have.
+    #[error("triangle {0} of the mesh is not in the scene, expected all that are not degenerate")]
+    Missing(u32),
+    /// Blocks that are not in the tree.
+    #[error(
+        "{blocks} blocks in the scene, {found} of them in its tree, expected all: a scene of this mesh, without instances"
+    )]
+    Others {
+        /// The blocks of the scene.
+        blocks: usize,
+        /// Those of its tree.
+        found: usize,
     },
     /// What is not made from a mesh.
     #[error("{0} in the scene, expected triangles of one geometry")]
@@ -44,16 +61,27 @@ pub enum RefitError {
 /// built from a mesh with the same triangles. A tree that was built anew is faster if they have moved far.
 ///
 /// # Errors
-/// A scene that is not a tree over triangles of the mesh, or boxes that quantised nodes do not have. The bytes are
-/// then changed in part.
+/// A scene that is not one tree over all triangles of the mesh, or boxes that compressed nodes do not have. The bytes
+/// are then changed in part.
 pub fn refit(bytes: &mut [u8], root: u32, nodes: NodeKind, mesh: &Mesh) -> Result<(), RefitError> {
-    Refit { bytes, nodes, mesh }.child(root, 0).map(|_| ())
+    let mut refit = Refit { bytes, nodes, mesh, blocks: HashSet::new(), has: vec![false; mesh.triangles().len()] };
+    refit.child(root, 0)?;
+    let missing = (0..).zip(&refit.has).find(|(index, has)| !**has && !mesh.is_degenerate(*index));
+    if let Some((index, _)) = missing {
+        return Err(RefitError::Missing(index));
+    }
+    let (blocks, found) = (refit.bytes.len() / nodes.block_bytes() as usize, refit.blocks.len());
+    if found == blocks { Ok(()) } else { Err(RefitError::Others { blocks, found }) }
 }
 
 struct Refit<'s> {
     bytes: &'s mut [u8],
     nodes: NodeKind,
     mesh: &'s Mesh,
+    /// The addresses of the blocks that were visited.
+    blocks: HashSet<u32>,
+    /// Whether each triangle was found.
+    has: Vec<bool>,
 }
 
 impl Refit<'_> {
@@ -71,8 +99,8 @@ impl Refit<'_> {
 
     fn node(&mut self, address: u32, level: u32) -> Result<Bounds, RefitError> {
         let (nodes, mut fitted, mut all) = (self.nodes, Vec::new(), Bounds::EMPTY);
-        for word in children(self.block(address)?, Child::Node { address }, nodes) {
-            let bounds = self.child(word, level + nodes.node_levels())?;
+        for word in children(self.next_block(address)?, Child::Node { address }, nodes) {
+            let bounds = self.child(word, level + 1)?;
             fitted.push((Aabb::new(bounds.min, bounds.max), word));
             all = all.union(bounds);
         }
@@ -86,8 +114,9 @@ impl Refit<'_> {
         let (of_block, triangles) = (nodes.triangles_per_block(), mesh.triangles().len());
         let mut all = Bounds::EMPTY;
         for place in 0..count {
-            let block = self.block(address.saturating_add(place / of_block * nodes.block_bytes()))?;
+            let address = address.saturating_add(place / of_block * nodes.block_bytes());
             let place = (place % of_block) as usize;
+            let block = if place == 0 { self.next_block(address)? } else { self.block(address)? };
             if LeafTriangle::geometry(block, nodes) != 0 {
                 return Err(RefitError::Content("a second geometry"));
             }
@@ -97,9 +126,15 @@ impl Refit<'_> {
             }
             let corners = mesh.corners(index);
             LeafTriangle::put_vertices(block, place, corners);
+            self.has[index as usize] = true;
             all = corners.into_iter().fold(all, Bounds::with);
         }
         Ok(all)
+    }
+
+    /// A block that was not visited yet.
+    fn next_block(&mut self, address: u32) -> Result<&mut [u8], RefitError> {
+        if self.blocks.insert(address) { self.block(address) } else { Err(RefitError::Repeated(address)) }
     }
 
     fn block(&mut self, address: u32) -> Result<&mut [u8], RefitError> {

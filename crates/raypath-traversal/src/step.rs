@@ -265,7 +265,10 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
                 },
                 state.instance,
             ),
-            instance_flags: enters.select(InstanceFlags::of(offset_and_flags), state.instance_flags),
+            instance_flags: match features.has_flags() {
+                true => enters.select(InstanceFlags::of(offset_and_flags), state.instance_flags),
+                false => InstanceFlags::none(c),
+            },
             outer_level: (enters & !state.inside).select(state.level, state.outer_level),
             leaf_address: next_block
                 .select(state.leaf_address.plus_constant(parameters.node.block_bytes()), state.leaf_address),

@@ -54,11 +54,11 @@ impl NodeKind {
         }
     }
 
-    /// The levels that a node takes at most of the [`LEVELS`](crate::LEVELS) of the unit.
-    pub const fn node_levels(self) -> u32 {
+    /// The levels that a node with so many children takes at most of the [`LEVELS`](crate::LEVELS) of the unit.
+    pub fn node_levels(self, children: usize) -> u32 {
         match self {
             Self::Wide4 | Self::Quantised => 1,
-            Self::Wide8 => (self.children() as u32).div_ceil(super::wide8::WINDOW),
+            Self::Wide8 => (children as u32).div_ceil(super::wide8::WINDOW).max(1),
         }
     }
 

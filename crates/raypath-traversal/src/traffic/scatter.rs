@@ -43,12 +43,12 @@ impl BlockScene {
     }
 
     /// Makes leaves that can be reached from `root` opaque or not, and gives indices to their geometries, and masks,
-    /// flags and further indices to instances; with [`Queries::Full`], some leaves become procedural boxes. Returns the
-    /// new word of the root.
+    /// flags and further indices to instances; with [`Queries::Full`], some leaves become procedural boxes. With
+    /// [`Queries::None`] leaves stay, and the unit reads no other of these words. Returns the new word of the root.
     pub fn give_geometries(&mut self, root: u32, queries: Queries, random: &mut ChaCha8Rng) -> u32 {
         let nodes = self.1;
         let opacity = |word: u32, random: &mut ChaCha8Rng| match Child::of(word, nodes) {
-            Ok(Child::Leaf { address, count, .. }) => {
+            Ok(Child::Leaf { address, count, .. }) if queries != Queries::None => {
                 let is_opaque = random.random();
                 let leaf = if queries == Queries::Full && random.random_range(0..4) == 0 {
                     Child::Box { address, is_opaque }
@@ -59,9 +59,6 @@ impl BlockScene {
             }
             _ => word,
         };
-        if queries == Queries::None {
-            return root;
-        }
         for (child, block) in self.reachable(root) {
             self.change_children(child, block, |word| opacity(word, random));
             let Some((_, indices)) = self.words_mut(child, block) else { continue };

@@ -14,15 +14,15 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// The mesh as .obj, .gltf, .glb, .ply or .stl [default: a built-in scene]
     mesh: Option<PathBuf>,
-    /// The nodes: boxes in binary32, or of 8 bits a bound
+    /// The nodes: four boxes in binary32, four of 8 bits a bound, or eight of them
     #[arg(long, default_value = "wide4", value_name = "wide4|quantised|wide8")]
     node: NodeKind,
     /// Place the mesh in the scene as this file says: 12 numbers a line, of an affine matrix from the mesh to the
     /// scene, row by row. The unit needs instances (generate --unit --unit-features instances)
     #[arg(long, value_name = "FILE")]
     instances: Option<PathBuf>,
-    /// Keep the tree of this scene, which was written from a mesh with the same triangles and nodes, and put the
-    /// vertices of the mesh into it
+    /// Keep the tree of this scene, which was written without instances from a mesh with the same triangles and with the
+    /// same nodes, and put the vertices of the mesh into it
     #[arg(long, value_name = "FILE", conflicts_with = "instances")]
     refit: Option<PathBuf>,
     /// The file to write: the blocks of the scene, from address 0 on
@@ -39,7 +39,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         let mut bytes = memory.limit.read(old).map_err(|problem| unusable(&problem))?;
         let root = Child::Node { address: 0 }.word(*node).map_err(|problem| unusable(&problem))?;
         let mesh = Shown::read(mesh.as_deref(), None, memory.limit)?.mesh();
-        refit(&mut bytes, root, *node, &mesh).map_err(|problem| unusable(&problem))?;
+        refit(&mut bytes, root, *node, &mesh)
+            .map_err(|problem| unusable(&format_args!("read with {node} nodes, {problem}")))?;
         writeln!(out, "{} triangles in the tree of {}", mesh.triangles().len(), old.display())?;
         writeln!(out, "root {root:#010x}")?;
         return write_and_name(&[(path.clone(), &bytes)], out);
