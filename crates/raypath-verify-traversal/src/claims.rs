@@ -63,6 +63,20 @@ pub fn queues() -> impl Iterator<Item = Claim> {
     QUEUES[1..].iter().map(|module| Claim { module, queue: Some(("", module)), faults: &[], ..CLAIMS[0] })
 }
 
+/// Modules about which the same is claimed, with the same faults, as in the plain unit.
+const ALIKE: [(Variant, &str); 4] = [
+    (Variant::Instances, "raypath_unit_distance"),
+    (Variant::Eight, "raypath_unit_distance"),
+    (Variant::Eight, "raypath_unit_blocks"),
+    (Variant::Eight, "raypath_unit_walk"),
+];
+
+/// The claims about these modules.
+pub fn alike() -> impl Iterator<Item = Claim> {
+    let claim = |(variant, module)| Some(Claim { variant, ..*CLAIMS.iter().find(|claim| claim.module == module)? });
+    ALIKE.into_iter().filter_map(claim)
+}
+
 macro_rules! claims {
     ($($module:literal in $variant:ident: $properties:expr, $queue:expr, $bindings:ident; $happens:literal; {
         $($property:ident: $from:literal => $to:literal;)*
@@ -175,14 +189,6 @@ claims! {
         enters: "~transformed_is_last_i | (chosen & ready)" => "~transformed_is_last_i | chosen";
         own_context: "chosen ? transformed_context_i : context_i" => "chosen ? context_i : transformed_context_i";
     }
-    "raypath_unit_distance" in Instances: include_str!("properties/distance.sv"),
-        None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {
-        order: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
-        order: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
-        real_block: "is_complete_q <= (folds & tag_q[2])" => "is_complete_q <= folds";
-        real_triangle: "read  = divider_valid & moves" => "read  = divider_valid";
-        fraction: ".write_address_i ({context_i, place_i})" => ".write_address_i ({context_i, 2'd0})";
-    }
     "raypath_unit_decoder" in Quantised: include_str!("properties/decoder.sv"),
         None, decoder; "p_follows_q && p_ahead_q == 1"; {
         order: "advance = ~has_sums_q | ready_i" => "advance = 1'b1";
@@ -223,10 +229,4 @@ claims! {
         order: "advance = ~has_sums_q | ready_i" => "advance = 1'b1";
         order: "is_last_q <= operands_is_last_q" => "is_last_q <= is_last_i";
     }
-    "raypath_unit_blocks" in Eight: include_str!("properties/blocks.sv"),
-        None, blocks; "p_beats_q == BEATS - 1 && valid_i"; {}
-    "raypath_unit_walk" in Eight: include_str!("properties/walk.sv"),
-        Some(("u_continues.", "raypath_unit_continues")), nothing; "p_continues && p_follows_q && p_ahead_q == 0"; {}
-    "raypath_unit_distance" in Eight: include_str!("properties/distance.sv"),
-        None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {}
 }

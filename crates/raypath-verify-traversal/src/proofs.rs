@@ -1,7 +1,7 @@
 //! Proofs of the control of the unit's modules.
 
 use super::bindings;
-use super::claims::{CLAIMS, Claim, queues};
+use super::claims::{CLAIMS, Claim, alike, queues};
 use super::setting::LEAST;
 pub use super::setting::{Setting, Variant};
 use raypath_hdl::Module;
@@ -70,7 +70,7 @@ impl Setting {
     /// The claims about modules of this unit.
     fn claims(&self) -> impl Iterator<Item = Claim> + use<> {
         let variant = self.variant;
-        CLAIMS.iter().copied().chain(queues()).filter(move |claim| claim.variant == variant)
+        CLAIMS.iter().copied().chain(queues()).chain(alike()).filter(move |claim| claim.variant == variant)
     }
 
     /// The module's text with these properties, and memories of which one word is known.

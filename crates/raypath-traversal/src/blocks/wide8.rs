@@ -28,7 +28,7 @@
 use super::quantised::{self, Contained};
 use super::{MAX_LEAF, NODE_KIND, NodeKind, word};
 use crate::words::{WordCircuit, WordMethods};
-use raypath_ops::{Aabb, Binary32, Bit, Flags, Num, Select, Word, array_of, bundle};
+use raypath_ops::{Aabb, Binary32, Bit, Flags, Num, SortEntry, Word, array_of, bundle};
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
@@ -174,7 +174,7 @@ pub fn child<C: WordCircuit>(c: C, words: [Word<C, 32>; 4], number: Word<C, 3>) 
     joined(base.part::<0, 25>().plus(rank.widened()), kind)
 }
 
-/// As [`child`], of a block and any number of children of it.
+/// The child words of a node in native arithmetic, by the number of the child: as [`child`], for one block.
 #[inline(always)]
 pub(crate) fn children(block: &[u8; BYTES]) -> impl Fn(usize) -> u32 {
     let kinds: [u8; CHILDREN] = array_of!(i => block[FIRST_KIND + i]);
@@ -234,35 +234,15 @@ bundle! {
 }
 
 /// A child of a node after its box was tested.
-#[derive(Clone, Copy)]
-struct Tested<C: WordCircuit> {
-    hit: Bit<C>,
-    tmin: Num<C>,
-    index: Word<C, 2>,
-    upper: Bit<C>,
-}
+type Tested<C> = SortEntry<C, 3>;
 
-impl<C: WordCircuit> Tested<C> {
-    /// Whether it comes after another: it is farther, or as far with a higher number.
-    #[inline(always)]
-    fn is_after(self, other: Self) -> Bit<C> {
-        let distance = other.tmin.compare(self.tmin);
-        let is_lower =
-            other.upper.select(self.upper & other.index.less(self.index), self.upper | other.index.less(self.index));
-        other.hit & (!self.hit | distance.less() | (distance.equal() & is_lower))
-    }
-}
-
-impl<C: WordCircuit> Select<C> for Tested<C> {
-    #[inline(always)]
-    fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
-        Self {
-            hit: condition.select(if_true.hit, if_false.hit),
-            tmin: condition.select(if_true.tmin, if_false.tmin),
-            index: condition.select(if_true.index, if_false.index),
-            upper: condition.select(if_true.upper, if_false.upper),
-        }
-    }
+/// Whether a child comes after another: it is farther, or as far with a higher number. What is not hit comes last,
+/// whatever its distance.
+#[inline(always)]
+fn is_after<C: WordCircuit>(child: Tested<C>, other: Tested<C>) -> Bit<C> {
+    let distance = other.tmin.compare(child.tmin);
+    let is_lower = other.index.less(child.index);
+    other.hit & (!child.hit | distance.less() | (distance.equal() & is_lower))
 }
 
 /// The comparisons that merge two sorted halves, by Batcher's odd-even network.
@@ -273,12 +253,14 @@ pub(crate) const MERGE: [(usize, usize); 9] = [(0, 4), (1, 5), (2, 6), (3, 7), (
 pub fn window<C: WordCircuit>(c: C, halves: [Half<C>; 2], window: Word<C, 2>) -> Window<C> {
     let of = |half: usize, i: usize| {
         let Half { hit, tmin, box_index } = halves[half];
-        Tested { hit: hit.0[i], tmin: tmin[i], index: box_index[i], upper: c.bit(half == 1) }
+        let upper = (1, c.constant_word(1, half as u32));
+        let index = Word::new(c, c.word_join(upper, (2, box_index[i].value)));
+        Tested { hit: hit.0[i], tmin: tmin[i], index }
     };
     let mut all: [Tested<C>; CHILDREN] = array_of!(i => of(i / 4, i % 4));
     for (a, b) in MERGE {
         let (first, second) = (all[a], all[b]);
-        let swaps = first.is_after(second);
+        let swaps = is_after(first, second);
         (all[a], all[b]) = (swaps.select(second, first), swaps.select(first, second));
     }
     let none = Tested { hit: c.bit(false), ..all[7] };
@@ -291,8 +273,8 @@ pub fn window<C: WordCircuit>(c: C, halves: [Half<C>; 2], window: Word<C, 2>) ->
     Window {
         hit: Flags(places.map(|place| place.hit)),
         tmin: [places[1].tmin, places[2].tmin, places[3].tmin],
-        box_index: places.map(|place| place.index),
-        box_upper: Flags(places.map(|place| place.upper)),
+        box_index: places.map(|place| place.index.part::<0, 2>()),
+        box_upper: Flags(places.map(|place| place.index.part::<2, 1>().is(1))),
     }
 }
 

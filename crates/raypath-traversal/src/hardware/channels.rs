@@ -73,8 +73,8 @@ pub struct Backwards<'m> {
     pub fetch_window: Option<Forward<'m>>,
     /// With flags: the triangles of the block that are not hit, by name.
     pub fetch_culls: Vec<(String, Forward<'m>)>,
-    /// With candidates, by name: whether the id and the ray of one are read, and its context; the closest hit of a block, with its
-    /// context, its distance and its index.
+    /// With candidates, by name: whether the id and the ray of one are read, and its context; the closest hit of a
+    /// block, with its context, its distance and its index.
     pub candidate: Vec<(String, Forward<'m>)>,
     pub tested: Vec<(String, Forward<'m>)>,
     /// The datapath takes a job.

@@ -16,10 +16,10 @@ pub const LATENCY: u32 = 2;
 
 /// The module `raypath_unit_decoder`, between the memory of the blocks and the datapath.
 ///
-/// A job, `context_i` and, where blocks have several, `is_last_i` and, of blocks of 128 bytes, `place_i`, enters where `valid_i` and `ready_o`
-/// are 1. It is at the outputs two cycles later, with `valid_o`, until `ready_i` is 1: with the bounds of four boxes,
-/// `bound_…_o`, and with the words of a triangle or of an instance, `word_…_o`. Where `read_o` is 1, the job of
-/// `read_context_o` is at the outputs in the next cycle, so that what is kept for it can be read.
+/// A job, `context_i`, enters where `valid_i` and `ready_o` are 1. Where blocks have several, it has `is_last_i` and, in
+/// blocks of 128 bytes, `place_i`. It is at the outputs two cycles later, with `valid_o`, until `ready_i` is 1: with the
+/// bounds of four boxes, `bound_…_o`, and with the words of a triangle or of an instance, `word_…_o`. Where `read_o` is
+/// 1, the job of `read_context_o` is at the outputs in the next cycle, so that what is kept for it can be read.
 ///
 /// Its block is `word_…_i`, of which the children `exists_…_i` exist. With eight children, the last job of a block that
 /// `is_node_i` has the upper four, the place of both is `window_i`, and the words of a triangle are `triangle_…_i`; a
