@@ -31,7 +31,7 @@ use user::List;
 ///
 /// let unit = Unit::open("contexts = 8\npreset = \"compact\"")?;
 /// let triangle = Triangle::new([-1.0, -1.0, 3.0], [0.0, 1.0, 3.0], [1.0, -1.0, 3.0]);
-/// let scene = LeafTriangle::to_bytes(&[LeafTriangle { triangle, index: 7 }], 0, NodeKind::Wide4);
+/// let scene = LeafTriangle::to_blocks(&[LeafTriangle { triangle, index: 7 }], 0, NodeKind::Wide4).0;
 /// let root = Child::Leaf { address: 0, count: 1, is_opaque: true }.word(NodeKind::Wide4)?;
 /// let ray = UnitRay { direction: [0.0, 0.0, 2.0], t_max: f32::INFINITY, root, ..UnitRay::default() };
 /// let mut hits = [UnitHit::default()];

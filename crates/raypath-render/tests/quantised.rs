@@ -23,7 +23,8 @@ fn hits_are_those_of_wide_nodes() {
         let [quantised, wide8] =
             [NodeKind::Quantised, NodeKind::Wide8].map(|nodes| scene.clone().through_unit_of(nodes).unwrap());
         let size = |scene: &Scene| scene.blocks().unwrap().bytes().len();
-        assert_eq!(size(&quantised), 64 * (wide.bvh().nodes().len() + mesh.triangles().len()));
+        let (leaves, triangles) = (size(&quantised) / 64 - wide.bvh().nodes().len(), mesh.triangles().len());
+        assert!(leaves < triangles, "{name}: {leaves} blocks with {triangles} triangles");
         assert!(size(&wide8) < size(&wide), "{name}: {} bytes, {} with wide nodes", size(&wide8), size(&wide));
         for two_sided in [false, true] {
             let tracing = Tracing { two_sided, rules: Rules::Paper };
@@ -61,7 +62,8 @@ fn the_simulated_unit_reads_its_nodes() {
     let (timing, hits) = time(&quantised).unwrap();
     let (expected, counts) = trace_closest(&quantised, &rays, Tracing::default(), &|_| true).unwrap();
     assert_eq!(bits(&hits), bits(&expected));
-    assert_eq!(timing.unit.fetches, counts.nodes + counts.triangle, "each block has a node or a triangle");
+    let fetches = counts.nodes + counts.triangle / 2..counts.nodes + counts.triangle;
+    assert!(fetches.contains(&timing.unit.fetches), "{} fetches, expected {fetches:?}", timing.unit.fetches);
     assert_eq!(timing.beats, timing.unit.fetches, "beats of 512 bits");
 
     let error = time(&scene.through_unit().unwrap()).err().unwrap();

@@ -69,3 +69,20 @@ fn other_scenes_are_refused() {
     assert_eq!(problem(old.bytes(), 33, &mesh), Some(RefitError::Content("an instance")));
     assert_eq!(problem(old.bytes(), 17, &mesh), Some(RefitError::Content("a procedural box")));
 }
+
+/// Each triangle has vertices of its own, and those at the same places move apart.
+#[test]
+fn vertices_that_leave_others_are_refused() {
+    let shared = meshes::real("suzanne").mesh;
+    let count = shared.triangles().len() as u32;
+    let mesh = |step: f32| {
+        let of = |index: u32| shared.corners(index).map(|[x, y, z]| [x + step * index as f32, y, z]);
+        let triangles = (0..count).map(|index| [0, 1, 2].map(|corner| 3 * index + corner));
+        Mesh::new((0..count).flat_map(of).collect(), triangles.collect()).unwrap()
+    };
+    let old = blocks(&mesh(0.0), NodeKind::Quantised);
+    let refitted = |mesh: &Mesh| refit(&mut old.bytes().to_vec(), old.root(), NodeKind::Quantised, mesh);
+    assert_eq!(refitted(&mesh(0.0)), Ok(()));
+    let problem = refitted(&mesh(0.5));
+    assert!(matches!(problem, Err(RefitError::Divided(_))), "{problem:?}");
+}

@@ -60,25 +60,23 @@ impl Blocks {
         let levels = bvh.levels() * kind.node_levels(WIDTH);
         check_levels(levels)?;
         let block_bytes = kind.block_bytes();
-        let leaves = bvh.nodes().iter().flat_map(children).filter_map(|(_, child)| match child.target() {
-            Target::Leaf { count, .. } => Some(u64::from(kind.leaf_blocks(count))),
-            Target::Node(_) => None,
-        });
-        check_size((bvh.nodes().len() as u64 + leaves.sum::<u64>()) * u64::from(block_bytes))?;
+        let first_leaf = bvh.nodes().len() as u64 * u64::from(block_bytes);
+        check_size(first_leaf)?;
         let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
-        let first_leaf = bvh.nodes().len() as u32 * block_bytes;
         for node in bvh.nodes() {
             let mut word = |(aabb, child): (_, Reference)| {
                 let child = match child.target() {
                     Target::Node(index) => Child::Node { address: index * block_bytes },
                     Target::Leaf { first, count } => {
-                        let address = first_leaf + leaves.len() as u32;
+                        let address = first_leaf as u32 + leaves.len() as u32;
                         let slots = first..first + count;
                         let triangle =
                             |slot| LeafTriangle { triangle: *bvh.triangle(slot), index: bvh.place(slot).primitive };
                         let TrianglePlace { geometry, .. } = bvh.place(first);
                         let triangles: Vec<_> = slots.map(triangle).collect();
-                        leaves.extend(LeafTriangle::to_bytes(&triangles, geometry, kind));
+                        let (blocks, count) = LeafTriangle::to_blocks(&triangles, geometry, kind);
+                        leaves.extend(blocks);
+                        check_size(first_leaf + leaves.len() as u64)?;
                         match bvh.geometries()[geometry as usize] {
                             Geometry { is_opaque, is_boxes: false } => Child::Leaf { address, count, is_opaque },
                             Geometry { is_opaque, is_boxes: true } => Child::Box { address, is_opaque },
@@ -86,9 +84,9 @@ impl Blocks {
                     }
                 };
                 // Addresses are multiples of a block and no leaf has too many triangles, so the word is valid.
-                (aabb, child.word(kind).unwrap_or(0))
+                Ok::<_, BlocksError>((aabb, child.word(kind).unwrap_or(0)))
             };
-            let words: Vec<_> = children(node).map(&mut word).collect();
+            let words: Vec<_> = children(node).map(&mut word).collect::<Result<_, _>>()?;
             nodes.extend(node_bytes(&words, kind)?);
         }
         nodes.extend(leaves);

@@ -4,6 +4,7 @@ use crate::mesh::{Bounds, Geometry, Mesh, TrianglePlace};
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::{BvhBuildParams, triangle::Triangle as PeerTriangle};
 use raypath_ops::{Aabb, Binary32, Triangle};
+use raypath_traversal::blocks::NodeKind;
 use std::collections::HashMap;
 use std::time::Duration;
 use thiserror::Error;
@@ -58,7 +59,7 @@ pub struct Reference(u32);
 pub enum Target {
     /// The node with this index.
     Node(u32),
-    /// A leaf of 1 to 8 triangles, or 1 to 3 with eight boxes per node, in consecutive slots.
+    /// A leaf of 1 to 4 triangles, or 1 to 3 with eight boxes per node, in consecutive slots.
     Leaf {
         /// The slot of the first, for [`Bvh4::triangle`].
         first: u32,
@@ -80,7 +81,7 @@ impl Reference {
     pub const ROOT: Self = Self(0);
     const LEAF: u32 = 1 << 31;
     const SLOT_BITS: u32 = 28;
-    const MAX_IN_LEAF: u32 = 8;
+    const COUNTS: u32 = 8;
 
     fn leaf(first: u32, count: u32) -> Self {
         Self(Self::LEAF | (count - 1) << Self::SLOT_BITS | first)
@@ -92,7 +93,7 @@ impl Reference {
         if self.0 & Self::LEAF == 0 {
             return Target::Node(self.0);
         }
-        let count = (self.0 >> Self::SLOT_BITS & (Self::MAX_IN_LEAF - 1)) + 1;
+        let count = (self.0 >> Self::SLOT_BITS & (Self::COUNTS - 1)) + 1;
         Target::Leaf { first: self.0 & ((1 << Self::SLOT_BITS) - 1), count }
     }
 }
@@ -105,8 +106,8 @@ impl<const WIDTH: usize> Bvh<WIDTH> {
     /// most 13 above the instances that fit into 4 GiB. A node with eight boxes may take three levels.
     pub const MAX_LEVELS: u32 = if WIDTH > 4 { 16 } else { 48 };
 
-    /// The most triangles in a leaf. A leaf below a node with eight boxes is one block.
-    const MAX_IN_LEAF: u32 = if WIDTH > 4 { 3 } else { Reference::MAX_IN_LEAF };
+    /// The most triangles in a leaf: those of every kind of nodes with so many boxes.
+    const MAX_IN_LEAF: u32 = (if WIDTH > 4 { NodeKind::Wide8 } else { NodeKind::Quantised }).max_leaf();
 
     /// Builds the tree of a mesh, without its [degenerate](Mesh::is_degenerate) triangles, which are never hit.
     ///
@@ -185,11 +186,11 @@ impl<const WIDTH: usize> Bvh<WIDTH> {
     }
 }
 
-/// The binary tree of these triangles before its collapse, with up to four of them in a leaf that holds as many, built
-/// by obvhs with equal costs for a triangle test and a test of four boxes.
+/// The binary tree of these triangles before its collapse, built by obvhs with equal costs for a triangle test and a
+/// test of four boxes.
 pub fn binary_tree(mesh: &Mesh, triangles: &[u32], max_in_leaf: u32) -> Bvh2 {
     let parameters = BvhBuildParams {
-        max_prims_per_leaf: max_in_leaf.min(4),
+        max_prims_per_leaf: max_in_leaf,
         collapse_traversal_cost: 1.0,
         ..BvhBuildParams::medium_build()
     };
@@ -475,7 +476,6 @@ pub fn padded(bounds: Bounds, pad: f64) -> Aabb<Binary32> {
 mod tests {
     use super::*;
     use crate::blocks::{Blocks, BlocksError};
-    use raypath_traversal::blocks::NodeKind;
 
     /// A deeper tree than those of [`Bvh4::build`], as the binary tree of nested triangles is, has no blocks.
     #[test]

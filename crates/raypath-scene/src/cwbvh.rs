@@ -73,7 +73,7 @@ impl Blocks {
                 };
                 let triangles: Vec<_> = leaf.iter().filter_map(triangle).collect();
                 *kind = if triangles.is_empty() { 0 } else { (((1 << triangles.len()) - 1) << 5) | (*kind % 32) };
-                leaves.extend(LeafTriangle::to_bytes(&triangles, 0, KIND));
+                leaves.extend(LeafTriangle::to_blocks(&triangles, 0, KIND).0);
             }
         }
         let levels = KIND.node_levels(KIND.children()) * levels.into_iter().max().unwrap_or(0);

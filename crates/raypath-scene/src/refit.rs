@@ -2,7 +2,7 @@
 
 use crate::blocks::{BlocksError, node_bytes};
 use crate::mesh::{Bounds, Mesh};
-use raypath_ops::Aabb;
+use raypath_ops::{Aabb, Triangle};
 use raypath_traversal::LEVELS;
 use raypath_traversal::blocks::{Child, InvalidChild, LeafTriangle, NodeKind, children};
 use std::collections::HashSet;
@@ -49,6 +49,9 @@ pub enum RefitError {
         /// Those of its tree.
         found: usize,
     },
+    /// A vertex that two triangles of a block shared.
+    #[error("triangle {0} of the mesh has a vertex apart that it shares with another in the scene, expected the same")]
+    Divided(u32),
     /// What is not made from a mesh.
     #[error("{0} in the scene, expected triangles of one geometry")]
     Content(&'static str),
@@ -112,11 +115,14 @@ impl Refit<'_> {
     fn leaf(&mut self, address: u32, count: u32) -> Result<Bounds, RefitError> {
         let (mesh, nodes) = (self.mesh, self.nodes);
         let (of_block, triangles) = (nodes.triangles_per_block(), mesh.triangles().len());
-        let mut all = Bounds::EMPTY;
+        let (mut all, mut placed) = (Bounds::EMPTY, Vec::new());
         for place in 0..count {
             let address = address.saturating_add(place / of_block * nodes.block_bytes());
             let place = (place % of_block) as usize;
             let block = if place == 0 { self.next_block(address)? } else { self.block(address)? };
+            if LeafTriangle::is_none(block, place, nodes) {
+                continue;
+            }
             if LeafTriangle::geometry(block, nodes) != 0 {
                 return Err(RefitError::Content("a second geometry"));
             }
@@ -125,9 +131,17 @@ impl Refit<'_> {
                 return Err(RefitError::Triangle { index, triangles });
             }
             let corners = mesh.corners(index);
-            LeafTriangle::put_vertices(block, place, corners);
+            LeafTriangle::put_vertices(block, place, corners, nodes);
             self.has[index as usize] = true;
             all = corners.into_iter().fold(all, Bounds::with);
+            placed.push((address, place));
+        }
+        for (address, place) in placed {
+            let LeafTriangle { triangle, index } = LeafTriangle::of(self.block(address)?, place, nodes);
+            let [a, b, c] = mesh.corners(index);
+            if triangle != Triangle::new(a, b, c) {
+                return Err(RefitError::Divided(index));
+            }
         }
         Ok(all)
     }

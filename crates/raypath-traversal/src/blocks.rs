@@ -36,14 +36,18 @@
 //! | 40 + 4 · i to 43 + 4 · i | the child word of box i |
 //! | 56 to 63 | 0 |
 //!
-//! A leaf of n triangles is n consecutive blocks, with a triangle each:
+//! A leaf with n places is ⌈n / 2⌉ consecutive blocks, with a triangle or two that share vertices each:
 //!
 //! | bytes of a leaf's block | contents |
 //! | --- | --- |
-//! | 0 to 35 | the vertices a, b, c, each as x, y, z in binary32 |
-//! | 36 to 39 | the index of the triangle |
-//! | 40 to 43 | the index of its geometry |
-//! | 44 to 63 | 0 |
+//! | 12 · k to 12 · k + 11 | vertex k (0 to 3) of the block, as x, y, z in binary32; the first triangle has vertices 0, 1, 2 |
+//! | 48 to 51, 52 to 55 | the indices of the first triangle and of the second |
+//! | 56 to 59 | the index of their geometry |
+//! | 60 | the vertices a, b, c of the second triangle: bits 1 to 0, 3 to 2, 5 to 4 |
+//! | 61 to 63 | 0 |
+//!
+//! A second triangle with the vertices 0, 0, 0 is none: no ray hits it. It has a place all the same, if it is not the
+//! last of its leaf.
 
 mod kind;
 pub mod quantised;
@@ -66,6 +70,8 @@ const LAST_LEAF: u32 = 2 * MAX_LEAF;
 pub const BOX_KINDS: [u32; 2] = [17, 25];
 /// The words of 32 bits that a triangle's vertices take.
 pub const VERTEX_WORDS: usize = 9;
+/// The word of a quantised leaf's block with the numbers of the second triangle's vertices.
+pub const VERTEX_NUMBERS: usize = 15;
 /// The bounds of a box.
 pub const BOX_WORDS: usize = 6;
 /// The kind of a child word that refers to a node.
@@ -86,11 +92,11 @@ pub enum Child {
         /// Its address.
         address: u32,
     },
-    /// A leaf; its kind is the number of triangles, 1 to 8, and 8 more if they are not opaque.
+    /// A leaf; its kind is the number of its places for triangles, 1 to 8, and 8 more if they are not opaque.
     Leaf {
         /// The address of its first block.
         address: u32,
-        /// The number of triangles.
+        /// The number of places for triangles.
         count: u32,
         /// Its geometry is opaque, as all are in a unit of [`Queries::None`](crate::Queries::None).
         is_opaque: bool,
@@ -192,29 +198,58 @@ impl Node {
 }
 
 impl LeafTriangle {
-    /// The bytes of the blocks of a leaf of these triangles, of the geometry with this index, in a scene with
-    /// these nodes.
-    pub fn to_bytes(leaf: &[Self], geometry: u32, nodes: NodeKind) -> Vec<u8> {
-        let mut blocks = Vec::new();
-        for triangles in leaf.chunks(nodes.triangles_per_block() as usize) {
-            let mut words = vec![0; nodes.block_bytes() as usize / 4];
-            words[nodes.geometry_word()] = geometry;
-            for (place, LeafTriangle { index, .. }) in triangles.iter().enumerate() {
-                words[nodes.index_word() + place] = *index;
+    /// The bytes of the blocks of a leaf of these triangles, of the geometry with this index, in a scene with these
+    /// nodes, and the number of its places, which is the count of its child word. Quantised leaves have the triangles
+    /// in another order, and places without a triangle.
+    pub fn to_blocks(leaf: &[Self], geometry: u32, nodes: NodeKind) -> (Vec<u8>, u32) {
+        let of_block = nodes.triangles_per_block() as usize;
+        let shared: Vec<Vec<Self>> = match nodes {
+            NodeKind::Wide4 | NodeKind::Wide8 => leaf.chunks(of_block).map(<[Self]>::to_vec).collect(),
+            NodeKind::Quantised => pairs(leaf),
+        };
+        let places = shared.last().map_or(0, |last| of_block * (shared.len() - 1) + last.len());
+        let mut blocks = vec![0; shared.len() * nodes.block_bytes() as usize];
+        for (block, triangles) in blocks.chunks_mut(nodes.block_bytes() as usize).zip(shared) {
+            let words = block.as_chunks_mut().0;
+            words[nodes.geometry_word()] = geometry.to_le_bytes();
+            for (place, Self { index, .. }) in triangles.iter().enumerate() {
+                words[nodes.index_word() + place] = index.to_le_bytes();
             }
-            let block = blocks.len();
-            blocks.extend(words.into_iter().flat_map(u32::to_le_bytes));
-            for (place, LeafTriangle { triangle: Triangle { a, b, c }, .. }) in triangles.iter().enumerate() {
-                Self::put_vertices(&mut blocks[block..], place, [a, b, c].map(|vertex| (*vertex).into()));
+            if let (NodeKind::Quantised, [first, second]) = (nodes, &triangles[..]) {
+                let numbers = second.numbers_in(first);
+                block[4 * VERTEX_NUMBERS] = numbers.map_or(0, |[a, b, c]| a | b << 2 | c << 4);
+            }
+            for (place, triangle) in triangles.iter().enumerate() {
+                Self::put_vertices(block, place, triangle.corners(), nodes);
             }
         }
-        blocks
+        (blocks, places as u32)
     }
 
-    /// Puts the vertices of a triangle into a leaf's block, at its place.
-    pub fn put_vertices(block: &mut [u8], place: usize, corners: [[f32; 3]; 3]) {
-        let words = block.as_chunks_mut().0.iter_mut().skip(VERTEX_WORDS * place);
-        words.zip(corners.as_flattened()).for_each(|(word, x)| *word = x.to_le_bytes());
+    /// Puts the vertices of a triangle into a leaf's block, at its place, in a scene with these nodes. Of another
+    /// triangle of the block, vertices that both have change.
+    pub fn put_vertices(block: &mut [u8], place: usize, corners: [[f32; 3]; 3], nodes: NodeKind) {
+        let words = block.as_chunks_mut().0;
+        for (vertex, corner) in Self::vertices(words.as_flattened(), place, nodes).into_iter().zip(corners) {
+            words.iter_mut().skip(3 * vertex).zip(corner).for_each(|(word, x)| *word = x.to_le_bytes());
+        }
+    }
+
+    /// The numbers in a leaf's block of the vertices of a triangle, by its place, in a scene with these nodes.
+    #[inline(always)]
+    pub fn vertices(block: &[u8], place: usize, nodes: NodeKind) -> [usize; 3] {
+        match nodes {
+            NodeKind::Quantised if place > 0 => {
+                let numbers = word(block, VERTEX_NUMBERS) as usize;
+                [numbers % 4, numbers / 4 % 4, numbers / 16 % 4]
+            }
+            _ => [3 * place, 3 * place + 1, 3 * place + 2],
+        }
+    }
+
+    /// Whether there is no triangle at a place of a leaf's block, which a quantised leaf may have.
+    pub fn is_none(block: &[u8], place: usize, nodes: NodeKind) -> bool {
+        Self::vertices(block, place, nodes) == [0; 3]
     }
 
     /// The index of the geometry of a leaf's block, in a scene with these nodes.
@@ -224,13 +259,43 @@ impl LeafTriangle {
 
     /// A triangle of a leaf's block, by its place, in a scene with these nodes.
     pub fn of(block: &[u8], place: usize, nodes: NodeKind) -> Self {
-        let vertex =
-            |index: usize| std::array::from_fn(|axis| f32::from_bits(word(block, VERTEX_WORDS * place + index + axis)));
-        Self {
-            triangle: Triangle::new(vertex(0), vertex(3), vertex(6)),
-            index: word(block, nodes.index_word() + place),
-        }
+        let vertex = |number: usize| std::array::from_fn(|axis| f32::from_bits(word(block, 3 * number + axis)));
+        let [a, b, c] = Self::vertices(block, place, nodes).map(vertex);
+        Self { triangle: Triangle::new(a, b, c), index: word(block, nodes.index_word() + place) }
     }
+
+    /// Its vertices.
+    pub fn corners(&self) -> [[f32; 3]; 3] {
+        let Triangle { a, b, c } = self.triangle;
+        [a, b, c].map(Into::into)
+    }
+
+    /// The numbers of its vertices in a block whose first three are those of another triangle; none if they need more
+    /// than one vertex besides.
+    fn numbers_in(&self, first: &Self) -> Option<[u8; 3]> {
+        let bits = |triangle: &Self| triangle.corners().map(|corner| corner.map(f32::to_bits));
+        let (known, own) = (bits(first), bits(self));
+        let number = |corner| known.iter().position(|vertex| *vertex == corner);
+        let others = own.iter().filter(|corner| number(**corner).is_none());
+        (others.count() < 2).then(|| own.map(|corner| number(corner).unwrap_or(3) as u8))
+    }
+}
+
+/// The triangles of a leaf in pairs that fit into a block, then those that are left.
+fn pairs(leaf: &[LeafTriangle]) -> Vec<Vec<LeafTriangle>> {
+    let (mut rest, mut pairs): (Vec<usize>, Vec<_>) = ((0..leaf.len()).collect(), Vec::new());
+    let shares = |a: usize, b: usize| a != b && leaf[b].numbers_in(&leaf[a]).is_some();
+    loop {
+        // That with the fewest partners comes first, so that others keep theirs.
+        let partners = |place: &usize| rest.iter().filter(|other| shares(*place, **other)).count();
+        let fewest = |places: &mut dyn Iterator<Item = usize>| places.min_by_key(partners);
+        let Some(first) = fewest(&mut rest.iter().copied().filter(|place| partners(place) > 0)) else { break };
+        let Some(second) = fewest(&mut rest.iter().copied().filter(|place| shares(first, *place))) else { break };
+        pairs.push(vec![leaf[first], leaf[second]]);
+        rest.retain(|place| ![first, second].contains(place));
+    }
+    pairs.extend(rest.into_iter().map(|place| vec![leaf[place]]));
+    pairs
 }
 
 /// The child words in the block of a node or of an instance.

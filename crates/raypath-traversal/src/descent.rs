@@ -5,7 +5,7 @@
 
 use crate::answers::{Answers, ReadyRay};
 use crate::blocks::{
-    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, MAX_LEAF, NODE_KIND, NodeKind, VERTEX_WORDS, child_words, geometry, word,
+    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, LeafTriangle, MAX_LEAF, NODE_KIND, NodeKind, child_words, geometry, word,
 };
 use crate::blocks::{quantised, wide8};
 use crate::candidate::{Candidate, Verdict};
@@ -354,9 +354,11 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         count: u32,
         [cull_back, cull_front]: [bool; 2],
     ) -> impl Iterator<Item = Hit> + use<M> {
-        let number = |i: usize, k: usize| word(block, VERTEX_WORDS * i.min(count as usize - 1) + k);
-        let found = self.now.triangles(self.answers.triangles(), |i, k| f32::from_bits(number(i, k)));
-        let indices: [u32; 3] = array_of!(i => word(block, self.parameters.node.index_word() + i));
+        let nodes = self.parameters.node;
+        let vertices: [_; 4] = array_of!(i => LeafTriangle::vertices(block, i.min(count as usize - 1), nodes));
+        let coordinate = |i: usize, k: usize| f32::from_bits(word(block, 3 * vertices[i][k / 3] + k % 3));
+        let found = self.now.triangles(self.answers.triangles(), coordinate);
+        let indices: [u32; 3] = array_of!(i => word(block, nodes.index_word() + i));
         let indices = if count == 1 { [indices[0]; 3] } else { indices };
         let (t_min, is_flipped, of_block) = (self.ray.t_min, self.is_flipped(), self.indices(block));
         let has_weights = self.parameters.features.barycentrics;

@@ -71,18 +71,14 @@ impl StepParameters {
         self.node != NodeKind::Wide4
     }
 
-    /// What tells the jobs of a block apart, with its width: of quantised nodes, instances alone have two.
-    pub(crate) fn of_job(self) -> &'static [(&'static str, u32)] {
-        match self.node {
-            NodeKind::Wide4 | NodeKind::Wide8 => &[("place", 2), ("is_last", 1)],
-            NodeKind::Quantised if self.features.instances => &[("is_last", 1)],
-            NodeKind::Quantised => &[],
-        }
+    /// What tells the jobs of a block apart, with its width.
+    pub(crate) fn of_job(self) -> [(&'static str, u32); 2] {
+        [("place", self.place_bits()), ("is_last", 1)]
     }
 
-    /// Whether a block can have several jobs.
-    pub(crate) fn has_several_jobs(self) -> bool {
-        !self.of_job().is_empty()
+    /// The bits of the place of a job in its block.
+    pub(crate) fn place_bits(self) -> u32 {
+        (self.node.triangles_per_block() - 1).ilog2() + 1
     }
 }
 

@@ -34,7 +34,7 @@ struct Object {
 fn leaf(scene: &mut BlockScene, geometry: &Geometry) -> u32 {
     let Geometry { index, is_opaque, triangles } = geometry;
     let leaf = Child::Leaf { address: scene.address(), count: triangles.len() as u32, is_opaque: *is_opaque };
-    scene.0.extend(LeafTriangle::to_bytes(triangles, *index, NodeKind::Wide4));
+    scene.0.extend(LeafTriangle::to_blocks(triangles, *index, NodeKind::Wide4).0);
     leaf.word(NodeKind::Wide4).expect("a leaf")
 }
 

@@ -128,17 +128,22 @@ pub fn blocks(setting: &Setting, module: &Module) -> String {
     text + &format!("  wire p_right = {};\n", right.join(" && "))
 }
 
-/// Whether the words of the triangle are those of its place in the block. A block of quantised nodes has one job.
+/// Whether the words of the triangle are those of its place in the block.
 pub fn issue(setting: &Setting, _: &Module) -> String {
     let nodes = setting.unit.parameters.step.node;
-    let jobs = format!("  localparam logic [1:0] NODE_JOBS = {};\n", nodes.children() / 4);
-    if nodes == NodeKind::Quantised {
-        return jobs
-            + "  wire [1:0] count_i = 0, place_o = 0;\n  wire is_last_o = 1, is_node_o = 1, p_same_words = 1;\n";
-    }
+    let (jobs, triangles) = (nodes.children() / 4, nodes.triangles_per_block());
+    let jobs = format!("  localparam logic [1:0] NODE_JOBS = {jobs}, TRIANGLES = {triangles};\n");
     let word = |k: usize| {
-        let (second, third) = (k + 9, k + 18);
-        format!("triangle_{k}_o == (place_o == 0 ? word_{k}_i : place_o == 1 ? word_{second}_i : word_{third}_i)")
+        let (vertex, axis) = (k / 3, k % 3);
+        let others = match nodes {
+            NodeKind::Wide4 | NodeKind::Wide8 => format!("place_o == 1 ? word_{}_i : word_{}_i", k + 9, k + 18),
+            NodeKind::Quantised => {
+                let [a, b, c, d] = [9, 6, 3, 0].map(|first| format!("word_{}_i", first + axis));
+                let [high, low] = [1, 0].map(|bit| format!("word_15_i[{}]", 2 * vertex + bit));
+                format!("{high} ? ({low} ? {a} : {b}) : {low} ? {c} : {d}")
+            }
+        };
+        format!("triangle_{k}_o == (place_o == 0 ? word_{k}_i : {others})")
     };
     let words: Vec<String> = (0..9).map(word).collect();
     jobs + &format!("  wire p_same_words = is_node_o\n    || ({});\n", words.join("\n      && "))
@@ -198,22 +203,18 @@ pub fn weights(setting: &Setting, module: &Module) -> String {
     context_width(module) + &of_divider(setting, width + 2)
 }
 
-/// The stages of the divider with what their tags tell of a triangle, and the fraction that is kept at one place. A
-/// block of quantised nodes has one triangle.
+/// The stages of the divider with what their tags tell of a triangle, and the fraction that is kept at one place.
 pub fn distance(setting: &Setting, module: &Module) -> String {
     let width = module.port_width("context_i").unwrap_or(1);
-    let has_places = setting.unit.parameters.step.node != NodeKind::Quantised;
-    let (places, is_last, place, one_place) = match has_places {
-        true => (2, "tag[2]", "tag[T-1:3]", ""),
-        false => (0, "1'b1", "{tag[T-1:2], 2'd0}", "  wire [1:0] place_i = 0;\n  wire is_last_i = 1;\n"),
-    };
+    let places = module.port_width("place_i").unwrap_or(1);
     let numbers = if setting.unit.parameters.step.features.barycentrics { 4 } else { 2 };
     let numbers = &["t_num", "t_denom", "u_num", "v_num"][..numbers];
     let all = |name: &dyn Fn(&&str) -> String| numbers.iter().map(name).collect::<Vec<_>>().join(", ");
     let (given, shown) = (all(&|name| format!("{name}_i")), all(&|name| format!("fractions_{name}")));
-    let mut text = context_width(module) + &of_divider(setting, width + places + 2 + u32::from(has_places)) + one_place;
+    let mut text = context_width(module) + &of_divider(setting, width + places + 3);
+    let place = format!("{{tag[T-1 -: W], 2'(tag[3 +: {places}])}}");
     for (high, name, of) in
-        [(0, "p_is_last", is_last), (width + 1, "p_place", place), (width - 1, "p_context", "tag[T-1 -: W]")]
+        [(0, "p_is_last", "tag[2]"), (width + 1, "p_place", &place), (width - 1, "p_context", "tag[T-1 -: W]")]
     {
         let _ = writeln!(text, "  function automatic [{high}:0] {name}(input [T-1:0] tag); {name} = {of}; endfunction");
     }
@@ -221,9 +222,8 @@ pub fn distance(setting: &Setting, module: &Module) -> String {
     let _ = writeln!(
         text,
         "  localparam int F = {};\n  wire [F-1:0] p_fraction_in = {{{given}}}, p_fraction_out = {{{shown}}};\n  \
-         wire [W+1:0] p_slot = {{p_fractions_slot{}}};",
+         wire [W+1:0] p_slot = {{p_fractions_slot[{places} +: W], 2'(p_fractions_slot[0 +: {places}])}};",
         32 * numbers.len(),
-        if has_places { "" } else { ", 2'd0" },
     );
     text
 }
@@ -246,7 +246,7 @@ pub fn decoder(setting: &Setting, module: &Module) -> String {
     let shown = words(&|k| format!("word_{k}_o[0]"));
     let (place, shown_place, width) = match nodes {
         NodeKind::Wide8 => (", is_node_i ? window_i : place_i, is_last_i", ", place_o, is_last_o", 12),
-        _ => ("", "", 9),
+        _ => (", place_i, is_last_i", ", place_o, is_last_o", 11),
     };
     context_width(module)
         + &format!(

@@ -64,8 +64,9 @@ pub fn queues() -> impl Iterator<Item = Claim> {
 }
 
 /// Modules about which the same is claimed, with the same faults, as in the plain unit.
-const ALIKE: [(Variant, &str); 4] = [
+const ALIKE: [(Variant, &str); 5] = [
     (Variant::Instances, "raypath_unit_distance"),
+    (Variant::Quantised, "raypath_unit_distance"),
     (Variant::Eight, "raypath_unit_distance"),
     (Variant::Eight, "raypath_unit_blocks"),
     (Variant::Eight, "raypath_unit_walk"),
@@ -130,7 +131,7 @@ claims! {
         each_job: "assign ends = (leaves & is_last)" => "assign ends = leaves";
         takes: "take = arrivals_valid & (~busy_q | ends)" => "take = ~busy_q | ends";
         fault_only: "offer   = busy_q & ~failed_q" => "offer   = busy_q";
-        each_job: "place_q <= take ? 2'd0 : place_q + 2'd1" => "place_q <= place_q + 2'd1";
+        each_job: "place_q <= take ? 2'd0 : next_place" => "place_q <= next_place";
         words: "if (take | leaves) begin" => "if (take | offer) begin";
         fault_only: "(fault & fault_taken_i)" => "fault";
     }
@@ -156,7 +157,7 @@ claims! {
         order: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
         real_block: "is_complete_q <= (folds & tag_q[2])" => "is_complete_q <= folds";
         real_triangle: "read  = divider_valid & moves" => "read  = divider_valid";
-        fraction: ".write_address_i ({context_i, place_i})" => ".write_address_i ({context_i, 2'd0})";
+        fraction: ".write_address_i ({context_i, place_i})" => ".write_address_i ({context_i, ~place_i & place_i})";
     }
     "raypath_unit_set_up" in Plain: include_str!("properties/set_up.sv"),
         None, set_up; "valid_o && !p_inside_q[0]"; {
@@ -204,25 +205,15 @@ claims! {
         both: "if (divider_valid & ~divider_tag[0]) begin" => "if (divider_valid) begin";
         no_hit: "decode_ieee & {32{divider_tag[1]}}" => "decode_ieee";
     }
-    "raypath_unit_distance" in Quantised: include_str!("properties/distance.sv"),
-        None, distance; "p_chosen_q && p_before_q == 0 && p_leaves"; {
-        order: "moves   = ~has_hit_q | folds" => "moves   = 1'b1";
-        order: "folds = has_hit_q & (~is_complete_q | taken_i)" => "folds = has_hit_q";
-        stays: "is_complete_q <= folds | (is_complete_q & ~taken_i)" => "is_complete_q <= folds";
-        real_triangle: "read  = divider_valid & moves" => "read  = divider_valid";
-        order: "context_q           <= tag_q[4:2]" => "context_q           <= divider_tag[4:2]";
-    }
     "raypath_unit_issue" in Quantised: include_str!("properties/issue.sv"),
-        Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && !p_failed"; {
-        each_job: "assign ends = leaves |" => "assign ends = offer |";
-        takes: "take = arrivals_valid & (~busy_q | ends)" => "take = ~busy_q | ends";
-        fault_only: "offer  = busy_q & ~failed_q" => "offer  = busy_q";
-        fault_only: "(fault & fault_taken_i)" => "fault";
+        Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && p_jobs_q == 1 && !p_failed"; {
+        each_job: "assign ends = (leaves & is_last)" => "assign ends = leaves";
+        words: "place_q[0] ? word_15_i[1:0]" => "~place_q[0] ? word_15_i[1:0]";
     }
     "raypath_unit_issue" in Eight: include_str!("properties/issue.sv"),
         Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && p_jobs_q == 1 && !p_failed"; {
         each_job: "(is_node ? 2'd2 : count_i)" => "(is_node ? 2'd1 : count_i)";
-        each_job: "place_q <= take ? 2'd0 : place_q + 2'd1" => "place_q <= place_q + 2'd1";
+        each_job: "place_q <= take ? 2'd0 : next_place" => "place_q <= next_place";
     }
     "raypath_unit_decoder" in Eight: include_str!("properties/decoder.sv"),
         None, decoder; "p_follows_q && p_ahead_q == 1"; {

@@ -1,5 +1,7 @@
 //! The kinds of nodes that a scene may have.
 
+use super::MAX_LEAF;
+use super::wide8::WINDOW;
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
@@ -42,7 +44,16 @@ impl NodeKind {
     pub const fn triangles_per_block(self) -> u32 {
         match self {
             Self::Wide4 | Self::Wide8 => 3,
-            Self::Quantised => 1,
+            Self::Quantised => 2,
+        }
+    }
+
+    /// The most triangles of a leaf, if none of them share vertices.
+    pub const fn max_leaf(self) -> u32 {
+        match self {
+            Self::Wide4 => MAX_LEAF,
+            Self::Quantised => MAX_LEAF / 2,
+            Self::Wide8 => WINDOW,
         }
     }
 
@@ -58,11 +69,11 @@ impl NodeKind {
     pub fn node_levels(self, children: usize) -> u32 {
         match self {
             Self::Wide4 | Self::Quantised => 1,
-            Self::Wide8 => (children as u32).div_ceil(super::wide8::WINDOW).max(1),
+            Self::Wide8 => (children as u32).div_ceil(WINDOW).max(1),
         }
     }
 
-    /// The number of blocks of a leaf.
+    /// The number of blocks of a leaf with so many places for triangles.
     pub const fn leaf_blocks(self, count: u32) -> u32 {
         count.div_ceil(self.triangles_per_block())
     }
@@ -86,7 +97,7 @@ impl NodeKind {
     pub const fn geometry_word(self) -> usize {
         match self {
             Self::Wide4 | Self::Wide8 => 27,
-            Self::Quantised => 10,
+            Self::Quantised => 14,
         }
     }
 
@@ -94,7 +105,7 @@ impl NodeKind {
     pub const fn index_word(self) -> usize {
         match self {
             Self::Wide4 | Self::Wide8 => 28,
-            Self::Quantised => 9,
+            Self::Quantised => 12,
         }
     }
 }

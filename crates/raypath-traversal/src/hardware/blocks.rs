@@ -1,23 +1,21 @@
 //! The blocks that the memory returns.
 
+use super::issue::triangle_words;
 use super::parameters::UnitParameters;
 use super::queue::bits;
-use crate::blocks::{NodeKind, VERTEX_WORDS, quantised};
+use crate::blocks::NodeKind;
 use crate::step::StepParameters;
 use raypath_hdl::text::PortGroup;
 use raypath_hdl::{Builder, Error, Module, Wire};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// The words of a block of wide nodes that its jobs need: triangles or, at the same places, boxes or a matrix.
-pub const JOB_WORDS: usize = VERTEX_WORDS * NodeKind::Wide4.triangles_per_block() as usize;
-
-/// The words of a block that its jobs need, in order: of quantised nodes those with bounds, and those of a matrix.
-pub fn job_words(StepParameters { node, features, .. }: StepParameters) -> Vec<usize> {
-    match node {
-        NodeKind::Wide4 | NodeKind::Wide8 => (0..JOB_WORDS).collect(),
-        NodeKind::Quantised if features.instances => (0..MATRIX_WORDS).map(|number| node.matrix_word(number)).collect(),
-        NodeKind::Quantised => (0..quantised::WORDS).collect(),
-    }
+/// The words of a block that its jobs need, in order: those of triangles or, at the same places, boxes, and those of a
+/// matrix.
+pub fn job_words(step: StepParameters) -> Vec<usize> {
+    let matrix = (0..MATRIX_WORDS).map(|number| step.node.matrix_word(number)).filter(|_| step.features.instances);
+    let words: BTreeSet<usize> = triangle_words(step.node).chain(matrix).collect();
+    words.into_iter().collect()
 }
 
 /// The numbers of a matrix.
@@ -28,7 +26,7 @@ pub const MATRIX_WORDS: usize = 12;
 /// A beat, `data_i` with `context_i` and `error_i`, arrives where `valid_i` is 1. With the last beat of a block,
 /// `arrived_o` is 1, and `failed_o` says whether one of its beats had an error. Three readers have ports of their own:
 /// `<reader>_read_i` and `<reader>_context_i`; the words are there in the next cycle and stay until the next read. The
-/// readers are `job` (`word_…_o`, and with quantised nodes `exists_…_o`, which children exist), `child` (`child_…_o`)
+/// readers are `job` (`word_…_o`, and with a decoder `exists_…_o`, which children exist), `child` (`child_…_o`)
 /// and `index` (`index_…_o`).
 pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let UnitParameters { contexts, memory_width, step, .. } = parameters;
@@ -116,8 +114,9 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
 
     m.output("arrived_o", arrived);
     m.output("failed_o", failed);
-    let (words, exist) = jobs.split_at(job_words(step).len());
-    for (name, words) in [("word", words), ("exists", exist), ("child", &children), ("index", &indices)] {
+    let (words, exist) = jobs.split_at(of_jobs.len());
+    of_jobs.iter().zip(words).for_each(|(number, word)| m.output(&format!("word_{number}_o"), *word));
+    for (name, words) in [("exists", exist), ("child", &children), ("index", &indices)] {
         words.iter().enumerate().for_each(|(k, word)| m.output(&format!("{name}_{k}_o"), *word));
     }
     builder.finish()

@@ -1,6 +1,6 @@
 //! The boxes of compressed nodes.
 
-use super::blocks::{MATRIX_WORDS, job_words};
+use super::blocks::MATRIX_WORDS;
 use super::connect::hold;
 use super::parameters::UnitParameters;
 use super::queue::bits;
@@ -9,6 +9,7 @@ use crate::blocks::quantised::{self, BOUNDS, FIRST_BOUND};
 use crate::blocks::{BOX_WORDS, NodeKind, VERTEX_WORDS, wide8};
 use raypath_float::{Format, add, decode, encode};
 use raypath_hdl::{Builder, Error, Module, Wire};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// The cycles that a job is in the decoder.
@@ -16,24 +17,25 @@ pub const LATENCY: u32 = 2;
 
 /// The module `raypath_unit_decoder`, between the memory of the blocks and the datapath.
 ///
-/// A job, `context_i`, enters where `valid_i` and `ready_o` are 1. Where blocks have several, it has `is_last_i` and, in
-/// blocks of 128 bytes, `place_i`. It is at the outputs two cycles later, with `valid_o`, until `ready_i` is 1: with the
-/// bounds of four boxes, `bound_…_o`, and with the words of a triangle or of an instance, `word_…_o`. Where `read_o` is
-/// 1, the job of `read_context_o` is at the outputs in the next cycle, so that what is kept for it can be read.
+/// A job, `context_i` with `place_i` and `is_last_i`, enters where `valid_i` and `ready_o` are 1. It is at the outputs two
+/// cycles later, with `valid_o`, until `ready_i` is 1: with the bounds of four boxes, `bound_…_o`, and with the words of
+/// a triangle or of an instance, `word_…_o`. Where `read_o` is 1, the job of `read_context_o` is at the outputs in the
+/// next cycle, so that what is kept for it can be read.
 ///
-/// Its block is `word_…_i`, of which the children `exists_…_i` exist. With eight children, the last job of a block that
-/// `is_node_i` has the upper four, the place of both is `window_i`, and the words of a triangle are `triangle_…_i`; a
-/// block that `is_instance_i` has them where instances have them.
+/// Its block is `word_…_i`, of which the children `exists_…_i` exist, in the first nine words with the triangle of the
+/// job. With eight children, the last job of a block that `is_node_i` has the upper four, the place of both is
+/// `window_i`, and the words of a triangle are `triangle_…_i`; a block that `is_instance_i` has them where instances
+/// have them.
 pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_decoder");
     let m = &builder;
     m.doc("The boxes of compressed nodes: one addition for each bound. Other blocks pass by.");
     let valid = m.input("valid_i", 1);
     let context = m.input("context_i", bits(contexts));
-    let mut of_job: Vec<(&str, Wire<'_>)> =
-        step.of_job().iter().map(|(name, width)| (*name, m.input(&format!("{name}_i"), *width))).collect();
-    let word = |k: usize| if reads(step, k) { m.input(&format!("word_{k}_i"), 32) } else { m.constant(32, 0) };
-    let words: Vec<Wire<'_>> = (0..job_words(step).len()).map(word).collect();
+    let mut of_job = step.of_job().map(|(name, width)| (name, m.input(&format!("{name}_i"), width)));
+    let of_block = words(step);
+    let word = |k: usize| if of_block.contains(&k) { m.input(&format!("word_{k}_i"), 32) } else { m.constant(32, 0) };
+    let words: Vec<Wire<'_>> = (0..step.node.block_bytes() as usize / 4).map(word).collect();
     let exists: Vec<Wire<'_>> = (0..step.node.children()).map(|k| m.input(&format!("exists_{k}_i"), 1)).collect();
     let ready = m.input("ready_i", 1);
     let has_sums = m.register("has_sums_q", 1).reset_to(0);
@@ -69,10 +71,8 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
                     .collect(),
             };
             let (is_node, window) = (m.input("is_node_i", 1), m.input("window_i", 2));
-            let is_upper = of_job.last().map_or(is_node, |(_, is_last)| *is_last);
-            if let [(_, place), ..] = &mut of_job[..] {
-                *place = is_node.mux(window, *place);
-            }
+            let is_upper = of_job[1].1;
+            of_job[0].1 = is_node.mux(window, of_job[0].1);
             if !step.features.instances {
                 m.unused("unused_exponents", &[words[3].upper(8)]);
             }
@@ -86,7 +86,10 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
             };
             ((0..BOUNDS).map(addend).collect(), passed)
         }
-        NodeKind::Wide4 | NodeKind::Quantised => (Vec::new(), words),
+        NodeKind::Wide4 | NodeKind::Quantised => {
+            let passed = if step.features.instances { MATRIX_WORDS } else { quantised::WORDS };
+            (Vec::new(), (0..passed).map(|number| words[step.node.matrix_word(number)]).collect())
+        }
     };
     let exponent: [Wire<'_>; 3] = match step.node {
         NodeKind::Wide8 => exponent,
@@ -144,10 +147,12 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
     builder.finish()
 }
 
-/// Whether the decoder reads a word of a job: of eight children, those with bases, exponents, bounds and a matrix.
-pub fn reads(StepParameters { node, .. }: StepParameters, number: usize) -> bool {
+/// The words of a block that the decoder reads, besides children: those with bases, exponents, bounds and a matrix.
+pub fn words(StepParameters { node, features, .. }: StepParameters) -> BTreeSet<usize> {
     let first = wide8::bound_byte(0, 0, 0) / 4;
-    node != NodeKind::Wide8 || number < node.child_word() || (first..first + 2 * BOX_WORDS).contains(&number)
+    let bounds = if node == NodeKind::Wide8 { first..first + 2 * BOX_WORDS } else { 0..0 };
+    let matrix = (0..MATRIX_WORDS).map(|number| node.matrix_word(number)).filter(|_| features.instances);
+    (0..node.child_word()).chain(bounds).chain(matrix).collect()
 }
 
 /// A register of a stage.

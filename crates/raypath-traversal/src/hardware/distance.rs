@@ -19,19 +19,17 @@ use std::sync::Arc;
 /// Numerators and denominators wait in a memory of this module. Where `read_o` is 1, the limits of the ray of
 /// `read_context_o` and the indices of its block are read: `limits_…_i` and `index_…_i` have them in the next cycle.
 pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts, step: StepParameters { features, node, .. }, divider_latency, .. } = parameters;
+    let UnitParameters { contexts, step, divider_latency, .. } = parameters;
+    let StepParameters { features, node, .. } = step;
     let builder = Builder::new("raypath_unit_distance");
     let m = &builder;
     m.doc("The distances of triangles by division, and the closest hit of each block.");
     let c = Netlist(m);
     let width = bits(contexts);
-    // Blocks of quantised nodes have one triangle, so there are no places.
-    let per_block = node.triangles_per_block();
-    let has_places = per_block > 1;
+    let place_bits = step.place_bits();
     let valid = m.input("valid_i", 1);
     let context = m.input("context_i", width);
-    let place = has_places.then(|| m.input("place_i", 2));
-    let is_last = has_places.then(|| m.input("is_last_i", 1));
+    let [place, is_last] = step.of_job().map(|(name, width)| m.input(&format!("{name}_i"), width));
     let [is_hit, is_front] = ["is_hit_i", "is_front_i"].map(|name| m.input(name, 1));
     let numbers = FRACTION.into_iter().filter(|name| features.has(name));
     let numbers: Named<'_> = numbers.map(|name| named(name, m.input(&format!("{name}_i"), 32))).collect();
@@ -39,23 +37,23 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         let is_there = features.has_candidates() || !field.contains("after_");
         if is_there { m.input(&format!("{field}_i"), width) } else { m.constant(width, 0) }
     });
-    let indices: Vec<Wire<'_>> = (0..per_block).map(|k| m.input(&format!("index_{k}_i"), 32)).collect();
+    let indices: Vec<Wire<'_>> =
+        (0..node.triangles_per_block()).map(|k| m.input(&format!("index_{k}_i"), 32)).collect();
     let geometry = features.has("geometry").then(|| m.input("geometry_i", 32));
     let taken = m.input("taken_i", 1);
 
     m.section("The operands, and their division");
-    let slot: Vec<Wire<'_>> = [context].into_iter().chain(place).collect();
+    let slot = m.concat(&[context, place]);
     let moves = m.forward("moves", 1);
     let operands = Operands {
         valid,
         dividend: numbers[0].1,
         divisor: numbers[1].1,
-        tag: slot.iter().copied().chain(is_last).chain([is_hit, !is_front]).collect(),
+        tag: vec![context, place, is_last, is_hit, !is_front],
     };
     let Division { ready, enters, valid: has_quotient, quotient, tag } =
         divide(divider_latency, operands, Some(moves.wire()))?;
-    let slot_bits = width + 2 * u32::from(has_places);
-    let read_slot = tag.upper(slot_bits);
+    let read_slot = tag.upper(width + place_bits);
 
     m.section("The hit whose limits and index are read");
     let read = (has_quotient & moves.wire()).named("read");
@@ -64,13 +62,12 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     moves.drive(!has_hit.wire() | folds.wire());
     has_hit.next(read | (has_hit.wire() & !folds.wire()));
     let (t, tag_q) = (hold("t_q", read, quotient), hold("tag_q", read, tag));
-    let at_entry = (enters, m.concat(&slot));
-    let fraction = keep("u_fractions", contexts << (slot_bits - width), at_entry, numbers, (read, read_slot));
+    let fraction = keep("u_fractions", contexts << place_bits, (enters, slot), numbers, (read, read_slot));
 
     m.section("The closest hit of its block so far");
-    let place = has_places.then(|| tag_q.bits(4, 3));
-    let index =
-        place.map_or(indices[0], |place| place.bit(1).mux(indices[2], place.bit(0).mux(indices[1], indices[0])));
+    let place = tag_q.bits(2 + place_bits, 3);
+    let lower = place.bit(0).mux(indices[1], indices[0]);
+    let index = indices.get(2).map_or(lower, |third| place.bit(1).mux(*third, lower));
     let rest = [("is_hit", tag_q.bit(1)), ("t", t), ("is_clockwise", tag_q.bit(0)), ("primitive", index)];
     let rest = rest.into_iter().chain(geometry.map(|geometry| ("geometry", geometry)));
     let known: Named<'_> = rest.map(|(name, wire)| named(name, wire)).chain(fraction).collect();
@@ -80,16 +77,13 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .collect();
     let held: Named<'_> = registers.iter().map(|(register, name)| named(name, register.wire())).collect();
     let before: TriangleHit<Netlist<'_>> = from_wires(m, "closest", |field, width| found_in(m, &held, field, width));
-    let is_first = place.map_or(m.constant(1, 1), |place| place.is(0));
-    // The only triangle of a block is the closest, whether it counts or not.
-    let earlier = if has_places { before } else { found };
-    let closest = fold(earlier, Bit::new(c, Value(is_first)), found, limits);
+    let closest = fold(before, Bit::new(c, Value(place.is(0))), found, limits);
     for ((register, _), (_, wire)) in registers.iter().zip(wires_with("", &closest, parameters.step)) {
         register.next_when(folds.wire(), wire);
     }
     let is_complete = m.register("is_complete_q", 1).reset_to(0);
     folds.drive(has_hit.wire() & (!is_complete.wire() | taken));
-    let completes = if has_places { folds.wire() & tag_q.bit(2) } else { folds.wire() };
+    let completes = folds.wire() & tag_q.bit(2);
     is_complete.next(completes | (is_complete.wire() & !taken));
     let complete_context = m.register("context_q", width);
     complete_context.next_when(folds.wire(), tag_q.upper(width));

@@ -1,6 +1,5 @@
 //! The inputs of the datapath's operations.
 
-use super::blocks::JOB_WORDS;
 use super::connect::{Named, Outputs};
 use crate::blocks::BOX_WORDS;
 use crate::instance::TransformInput;
@@ -84,5 +83,3 @@ fn box_word(place: usize) -> usize {
     let (axis, is_max) = (bound / 2, bound % 2);
     BOX_WORDS * child + 3 * is_max + axis
 }
-
-const _: () = assert!(4 * BOX_WORDS <= JOB_WORDS);

@@ -4,16 +4,16 @@ use super::blocks::blocks;
 use super::candidates::{candidates, is_of_candidate};
 use super::channels::{Backwards, Ports};
 use super::connect::{Inputs, Named, Outputs, keep, named, prefixed};
-use super::decoder::{decoder, reads};
+use super::decoder::{decoder, words};
 use super::distance::distance;
 use super::hits::{hits, is_shown as is_of_hit};
-use super::issue::issue;
+use super::issue::{has_transform, issue, triangle_words};
 use super::jobs::Jobs;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::rays::rays;
 use super::walk::walk;
-use crate::blocks::NodeKind;
+use crate::blocks::{NodeKind, VERTEX_WORDS};
 use crate::error::UnitError;
 use crate::instance::{TRANSFORM_OPCODE, Transform};
 use crate::netlist::wires;
@@ -52,7 +52,7 @@ impl UnitNetlist {
         parameters.check()?;
         check(config)?;
         // Besides the context: the place in the block, and whether it is the last.
-        let tag = bits(parameters.contexts) + parameters.step.of_job().iter().map(|(_, width)| width).sum::<u32>();
+        let tag = bits(parameters.contexts) + parameters.step.of_job().map(|(_, width)| width).iter().sum::<u32>();
         let UnitFeatures { barycentrics, edges, .. } = parameters.step.features;
         let features = Features {
             tag,
@@ -125,10 +125,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     m.section("Blocks and their jobs");
     let blocks = top.blocks(&ports)?;
     let fetched = top.fetched();
-    let words = prefixed("word", blocks.under("word"));
     let issued = top.issued(&fetched);
-    let issue = top.issue(&ports, &blocks, &words, &issued)?;
-    let decoder = top.decoder(&issue, &blocks, words, &issued)?;
+    let issue = top.issue(&ports, &blocks, &issued)?;
+    let decoder = top.decoder(&issue, &blocks, &issued)?;
     let jobs = Jobs { rays, blocks, issue, decoder, fetched };
 
     m.section("The datapath");
@@ -229,37 +228,25 @@ impl<'m> Top<'m> {
         if !step.has_decoder() {
             return vec![fetched[0].clone()];
         }
-        if !step.has_several_jobs() {
-            return Vec::new();
-        }
         let mut words = vec![named("count", back.fetch_count.wire())];
-        if let Some(window) = back.fetch_window {
-            words.push(named("window", window.wire()));
-            let is_instance = back.to_fetched.first().map(|(_, forward)| named("is_instance", forward.wire()));
-            words.extend(is_instance);
-        }
+        words.extend(back.to_fetched.first().map(|(_, forward)| named("is_instance", forward.wire())));
+        words.extend(back.fetch_window.map(|window| named("window", window.wire())));
         let (take, context) = back.take;
         let by_fetch = (back.fetch.0.wire(), back.fetch.1.wire());
         keep("u_issued", self.parameters.contexts, by_fetch, words, (take.wire(), context.wire()))
     }
 
-    fn issue(
-        &self,
-        ports: &Ports<'m>,
-        blocks: &Outputs<'m>,
-        words: &Named<'m>,
-        fetched: &Named<'m>,
-    ) -> Result<Outputs<'m>, UnitError> {
+    fn issue(&self, ports: &Ports<'m>, blocks: &Outputs<'m>, issued: &Named<'m>) -> Result<Outputs<'m>, UnitError> {
         let (back, step) = (&self.back, self.parameters.step);
-        let count = step.has_several_jobs().then(|| fetched[0].clone());
-        let words = if step.node.triangles_per_block() > 1 { &words[..] } else { &[] };
+        let inputs = if has_transform(step) { &issued[..2] } else { &issued[..1] };
+        let words = triangle_words(step.node).map(|number| format!("word_{number}"));
         let ready = back.decoder.map_or(back.job_ready, |[.., ready]| ready);
         let issue = Inputs::default()
             .port("arrived", blocks.port("arrived"))
             .port("arrived_failed", blocks.port("failed"))
             .port("arrived_context", ports.beat_context)
-            .ports(count)
-            .ports(words.iter().cloned())
+            .ports(inputs.iter().cloned())
+            .ports(words.map(|word| named(&word, blocks.port(&word))))
             .port("ready", ready.wire())
             .port("fault_taken", back.taken[2].wire())
             .place(self.m, "u_issue", &issue(self.parameters)?);
@@ -272,7 +259,6 @@ impl<'m> Top<'m> {
         &self,
         issue: &Outputs<'m>,
         blocks: &Outputs<'m>,
-        words: Named<'m>,
         issued: &Named<'m>,
     ) -> Result<Option<Outputs<'m>>, UnitError> {
         let Some([decodes, context, ready]) = self.back.decoder else { return Ok(None) };
@@ -287,11 +273,17 @@ impl<'m> Top<'m> {
             }
             NodeKind::Wide4 | NodeKind::Quantised => Vec::new(),
         };
+        let word = |number: usize| {
+            let word = format!("word_{number}");
+            let is_of_triangle = step.node == NodeKind::Quantised && number < VERTEX_WORDS;
+            let wire = if is_of_triangle { issue.port(&format!("triangle_{number}")) } else { blocks.port(&word) };
+            (word, wire)
+        };
         let decoder = Inputs::default()
             .port("valid", issue.port("offer"))
             .port("context", issue.port("context"))
-            .ports(step.of_job().iter().map(|(name, _)| named(name, issue.port(name))))
-            .ports(words.into_iter().enumerate().filter(|(number, _)| reads(step, *number)).map(|(_, word)| word))
+            .ports(step.of_job().map(|(name, _)| named(name, issue.port(name))))
+            .ports(words(step).into_iter().map(word))
             .ports(prefixed("exists", blocks.under("exists")))
             .ports(of_eight)
             .port("ready", self.back.job_ready.wire())
@@ -312,8 +304,7 @@ impl<'m> Top<'m> {
             None => (jobs.issue.port("offer"), jobs.issue.port("is_node")),
             Some(decoder) => (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node")),
         };
-        let tag = std::iter::once("context").chain(self.parameters.step.of_job().iter().map(|(name, _)| *name));
-        let tag = m.concat(&tag.map(|name| jobs.of_block().port(name)).collect::<Vec<_>>());
+        let tag = m.concat(&["context", "place", "is_last"].map(|name| jobs.of_block().port(name)));
         let ready = m.forward("outcome_ready", 1);
         let ports = Inputs::default()
             .port("input_valid", offer)
@@ -332,18 +323,18 @@ impl<'m> Top<'m> {
     }
 
     fn distance(&self, jobs: &Jobs<'m>, outcome: &Outcome<'m>) -> Result<Outputs<'m>, UnitError> {
-        let StepParameters { features, node, .. } = self.parameters.step;
-        let has_places = node.triangles_per_block() > 1;
+        let StepParameters { features, .. } = self.parameters.step;
         let Outcome { ports, is_boxes, is_transform, tag, context, ready } = outcome;
         let weights = [("u_num", "barycentric_v"), ("v_num", "barycentric_w")];
         let weights = weights.into_iter().filter(|(name, _)| features.has(name));
         let weights: Named<'m> = weights.map(|(name, port)| named(name, ports.port(port))).collect();
-        let place = has_places.then(|| [named("place", tag.bits(2, 1)), named("is_last", tag.bit(0))]);
+        let place = tag.bits(self.parameters.step.place_bits(), 1);
         let is_triangle = is_transform.map_or(!*is_boxes, |is_transform| !*is_boxes & !is_transform);
         let closest = Inputs::default()
             .port("valid", ports.port("output_valid") & is_triangle)
             .port("context", *context)
-            .ports(place.into_iter().flatten())
+            .port("place", place)
+            .port("is_last", tag.bit(0))
             .port("is_hit", ports.port("triangle_hit"))
             .port("is_front", ports.port("facing"))
             .port("t_num", ports.port("t_num"))

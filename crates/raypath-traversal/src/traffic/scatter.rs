@@ -108,7 +108,7 @@ impl BlockScene {
         let Some(block) = self.0.get_mut(address..).and_then(|rest| rest.first_chunk_mut::<128>()) else { return };
         for (number, old) in Node8::of(block).children.into_iter().enumerate().filter(|(_, old)| *old != 0) {
             let (new, is_other) = (change(old), usize::from(old % bytes != NODE_KIND));
-            if new == 0 {
+            if new == 0 || usize::from(new % bytes != NODE_KIND) != is_other {
                 // Others would come to its place.
                 continue;
             }

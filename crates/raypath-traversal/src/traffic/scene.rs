@@ -1,6 +1,6 @@
 //! Scenes made block by block, random ones, and random rays.
 
-use crate::blocks::wide8::{self, Node8};
+use crate::blocks::wide8::Node8;
 use crate::blocks::{LeafTriangle, NODE_KIND, Node, NodeKind};
 use crate::instance::{INSTANCE_KIND, Instance};
 use crate::{RayRequest, ray_flags};
@@ -27,19 +27,20 @@ impl BlockScene {
         self.0.len() as u32
     }
 
-    /// Appends a leaf, and returns its child word. The word is valid for 1 to 8 triangles. With eight children it is a
-    /// node, if there are more than a block holds.
+    /// Appends a leaf, and returns its child word. The word is valid for 1 to 8 triangles. Of compressed nodes it is a
+    /// node, if there are more than a leaf holds.
     pub fn leaf(&mut self, triangles: &[LeafTriangle]) -> u32 {
-        if self.1 == NodeKind::Wide8 && triangles.len() > wide8::WINDOW as usize {
+        let most = self.1.max_leaf() as usize;
+        if triangles.len() > most {
             let (mut boxes, mut children) = ([never(); 4], [0; 4]);
-            for (place, part) in triangles.chunks(wide8::WINDOW as usize).enumerate() {
+            for (place, part) in triangles.chunks(most).enumerate() {
                 (boxes[place], children[place]) = (around(part), self.leaf(part));
             }
             return self.node(boxes, children);
         }
-        let word = self.address() | triangles.len() as u32;
-        self.0.extend(LeafTriangle::to_bytes(triangles, 0, self.1));
-        word
+        let (address, (blocks, places)) = (self.address(), LeafTriangle::to_blocks(triangles, 0, self.1));
+        self.0.extend(blocks);
+        address | places
     }
 
     /// Appends a node, and returns its child word. A compressed node whose boxes cannot be contained becomes one without
@@ -106,9 +107,22 @@ impl BlockScene {
             })
             .collect();
         for place in 1..all.len() {
-            if random.random_range(0..8) == 0 {
-                let Triangle { a, b, c } = all[random.random_range(0..place)].triangle;
-                all[place].triangle = if random.random() { Triangle { a, b, c } } else { Triangle { a, b: c, c: b } };
+            match random.random_range(0..8) {
+                0 => {
+                    let Triangle { a, b, c } = all[random.random_range(0..place)].triangle;
+                    let is_turned = random.random();
+                    all[place].triangle = if is_turned { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } };
+                }
+                1..=4 => {
+                    // At an edge of the one before it.
+                    let [own, ..] = all[place].corners();
+                    let mut corners = all[place - 1].corners();
+                    corners[random.random_range(0..3)] = own;
+                    corners.rotate_left(random.random_range(0..3));
+                    let [a, b, c] = corners;
+                    all[place].triangle = Triangle::new(a, b, c);
+                }
+                _ => {}
             }
         }
         let (root, bounds) = self.tree(&mut all, random);
@@ -160,7 +174,7 @@ impl BlockScene {
             return (self.leaf(triangles), around(triangles));
         }
         let axis = random.random_range(0..3);
-        triangles.sort_by(|a, b| corners(a)[0][axis].total_cmp(&corners(b)[0][axis]));
+        triangles.sort_by(|a, b| a.corners()[0][axis].total_cmp(&b.corners()[0][axis]));
         let (mut boxes, mut children) = ([never(); 8], [0; 8]);
         let count = random.random_range(2..=self.1.children());
         let chunk = triangles.len().div_ceil(count);
@@ -181,12 +195,8 @@ pub fn never() -> Aabb<Binary32> {
     Aabb::new([f32::INFINITY; 3], [f32::NEG_INFINITY; 3])
 }
 
-fn corners(LeafTriangle { triangle: Triangle { a, b, c }, .. }: &LeafTriangle) -> [[f32; 3]; 3] {
-    [a, b, c].map(|vertex| (*vertex).into())
-}
-
 fn around(triangles: &[LeafTriangle]) -> Aabb<Binary32> {
-    let all: Vec<[f32; 3]> = triangles.iter().flat_map(corners).collect();
+    let all: Vec<[f32; 3]> = triangles.iter().flat_map(LeafTriangle::corners).collect();
     let bound =
         |pick: fn(f32, f32) -> f32, from: f32, axis: usize| all.iter().map(|corner| corner[axis]).fold(from, pick);
     let least = [0, 1, 2].map(|axis| bound(f32::min, f32::INFINITY, axis));

@@ -11,8 +11,8 @@ pub fn run(bench: &mut Bench, nodes: NodeKind) -> Result<(), String> {
     let [place, is_last, triangle, window] = bench.inputs(["place_i", "is_last_i", "triangle_0_i", "window_i"]);
     let (is_node, is_instance) = (bench.input("is_node_i"), bench.input("is_instance_i"));
     let [takes, is_shown, bound, passed] = bench.outputs(["ready_o", "valid_o", "bound_0_o", "word_0_o"]);
+    let places = bench.outputs(["place_o", "is_last_o"]);
     let has_matrix = bench.output("word_9_o").is_some();
-    let places = bench.output("place_o").zip(bench.output("is_last_o"));
     // What must be shown: outputs, and their words.
     let mut inside: VecDeque<Vec<(usize, u64)>> = VecDeque::new();
     for cycle in 0..CYCLES {
@@ -41,15 +41,14 @@ pub fn run(bench: &mut Bench, nodes: NodeKind) -> Result<(), String> {
                 let children = if is_upper { 4..8 } else { 0..4 };
                 job.extend((bound..).zip(children.flat_map(child)));
             }
-            let matrix = |k: usize| block[if nodes == NodeKind::Wide8 { nodes.matrix_word(k) } else { k }];
             match nodes {
                 NodeKind::Wide8 if !one(is_instance) => job.extend((0..9).map(|k| (passed + k, words[triangle + k]))),
-                _ => job.extend((0..if has_matrix { 12 } else { 9 }).map(|k| (passed + k, matrix(k)))),
+                _ => {
+                    job.extend((0..if has_matrix { 12 } else { 9 }).map(|k| (passed + k, block[nodes.matrix_word(k)])))
+                }
             }
-            if let Some((place_output, is_last_output)) = places {
-                let shown = if one(is_node) { window } else { place };
-                job.extend([(place_output, words[shown]), (is_last_output, words[is_last])]);
-            }
+            let shown = if one(is_node) { window } else { place };
+            job.extend([(places[0], words[shown]), (places[1], words[is_last])]);
             inside.push_back(job);
         }
         bench.simulator.cycle();

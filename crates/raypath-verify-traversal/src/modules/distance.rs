@@ -42,7 +42,7 @@ pub fn run(bench: &mut Bench) -> Result<(), String> {
     // Without candidates no hit comes after another.
     let limits_count = if bench.input("limits_after_t_i").is_some() { 6 } else { 3 };
     let geometry = bench.input("geometry_i");
-    let per_block = if fields[0].is_some() { 3 } else { 1 };
+    let per_block = if bench.input("index_2_i").is_some() { 3 } else { 2 };
     let closest: Vec<Option<usize>> = CLOSEST.map(|name| bench.output(&format!("closest_{name}_o"))).into();
     for number in 0..BLOCKS {
         let block = random_block(bench, per_block, limits_count);

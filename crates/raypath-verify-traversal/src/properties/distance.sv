@@ -19,7 +19,7 @@
   logic [8:0] p_ahead_q;
   logic [W+1:0] p_place_q;
   logic [F-1:0] p_fraction_q;
-  wire p_starts = p_enters && p_follow && {context_i, place_i} == p_slot && !p_follows_q && !p_read_q;
+  wire p_starts = p_enters && p_follow && {context_i, 2'(place_i)} == p_slot && !p_follows_q && !p_read_q;
   wire p_turn = p_follows_q && p_ahead_q == 0 && read_o;
   always_ff @(posedge clk_i or negedge rst_ni)
     if (!rst_ni) {p_follows_q, p_read_q} <= 0;
@@ -30,10 +30,10 @@
   always_ff @(posedge clk_i)
     if (p_starts) begin
       p_ahead_q <= p_inside_q - {8'd0, read_o};
-      p_place_q <= {context_i, place_i};
+      p_place_q <= {context_i, 2'(place_i)};
       p_fraction_q <= p_fraction_in;
     end else if (read_o) p_ahead_q <= p_ahead_q - 9'd1;
-  always_comb assume (!(p_follows_q && p_enters && {context_i, place_i} == p_place_q));
+  always_comb assume (!(p_follows_q && p_enters && {context_i, 2'(place_i)} == p_place_q));
   always_comb reads: assert (!p_turn || read_context_o == p_place_q[W+1:2]);
   always_comb fraction: assert (!p_read_q || p_fraction_out == p_fraction_q);
   always_comb real_triangle: assert (!read_o || p_inside_q != 0);

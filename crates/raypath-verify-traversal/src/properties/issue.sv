@@ -1,5 +1,5 @@
   // The jobs of each block leave exactly once and in order, NODE_JOBS of a node; blocks follow each other as they arrived. Environment: at
-  // most N blocks are inside; the number of triangles is that of the block that was taken, and stays.
+  // most N blocks are inside; the number of triangles is that of the block that was taken, at most TRIANGLES, and stays.
   logic [8:0] p_inside_q, p_waiting_q;
   wire p_ends = (offer_o && ready_i && is_last_o) || (fault_valid_o && fault_taken_i);
   always_ff @(posedge clk_i or negedge rst_ni)
@@ -15,7 +15,7 @@
     if (!rst_ni) p_taken_q <= 0;
     else p_taken_q <= take_o;
   always_ff @(posedge clk_i) p_count_q <= count_i;
-  always_comb assume (p_taken_q || count_i == p_count_q);
+  always_comb assume (count_i <= TRIANGLES && (p_taken_q || count_i == p_count_q));
 
   // Some block is followed: until it is taken, and then until its last job leaves.
   wire p_follow;
@@ -69,4 +69,4 @@
   always_comb lemmas: assert (p_holds && p_inside_q == p_waiting_q + {8'd0, p_busy_q} && p_busy_q == busy_q
     && (!p_waited_q || p_valid) && p_inside_q <= N && !(p_follows_q && p_serves_q)
     && (!p_serves_q || (p_busy_q && failed_q == p_failed && context_q == p_word_q[W-1:1]
-      && (p_failed || p_jobs_q < p_jobs))));
+      && (p_failed || (p_jobs_q < p_jobs && place_q == p_jobs_q)))));
