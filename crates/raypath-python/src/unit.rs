@@ -15,10 +15,10 @@ use raypath_embed::{self as embed, SceneGeometry, SceneInput, SceneInstance, Uni
 use raypath_render::Bounds;
 use raypath_rtl::Config;
 use raypath_rtl::report::picture;
-use raypath_traversal::UnitParameters;
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::{NO_INSTANCE, status};
 use raypath_traversal::system::{CacheParameters, MemoryParameters};
+use raypath_traversal::{Queries, StepParameters, UnitParameters};
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -151,9 +151,7 @@ impl Unit {
         };
         let unit = self.inner.clone();
         let inner = abandoned_at_signals(py, move || unit.scene(input).map_err(exception))?;
-        let [min, max] = inner.bounds;
-        let node = Some(self.inner.parameters().step.node);
-        Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)), node })
+        Ok(self.scene_of(inner))
     }
 
     /// A scene of scenes of this unit, placed by instances. In a unit with ``nested_instances`` the scenes may have
@@ -181,10 +179,11 @@ impl Unit {
             scenes.extend(known.is_none().then(|| scene.clone()));
         }
         let own = |scene: &Bound<'_, UnitScene>| {
-            let UnitScene { data, root, within, .. } = scene.get();
+            let UnitScene { data, root, within, queries, .. } = scene.get();
             let expected = "the scene of an instance is bytes from elsewhere, expected one of Unit.scene or Unit.group";
             let (min, max, reach) = within.ok_or_else(|| value_error(expected))?;
-            Ok(embed::UnitScene { bytes: data.clone(), root: *root, bounds: [min, max], reach })
+            let queries = queries.unwrap_or_default();
+            Ok(embed::UnitScene { bytes: data.clone(), root: *root, bounds: [min, max], reach, queries })
         };
         let scenes = scenes.iter().map(own).collect::<PyResult<Vec<_>>>()?;
         let places: Vec<_> = members.into_iter().zip(places).collect();
@@ -192,9 +191,7 @@ impl Unit {
         let inner = abandoned_at_signals(py, move || {
             unit.group(&scenes.iter().collect::<Vec<_>>(), &places, reach).map_err(exception)
         })?;
-        let [min, max] = inner.bounds;
-        let node = Some(self.inner.parameters().step.node);
-        Ok(UnitScene { data: inner.bytes, root: inner.root, within: Some((min, max, inner.reach)), node })
+        Ok(self.scene_of(inner))
     }
 
     /// Traces rays by the functional model, without time. Of candidates, triangles are accepted and boxes ignored; see
@@ -251,9 +248,9 @@ impl Unit {
         py: Python<'py>,
         scene: &Bound<'py, UnitScene>,
         rays: &Bound<'py, PyAny>,
-        flags: u32,
+        flags: i64,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let rays = rays_of(rays, flags)?;
+        let rays = rays_of(rays, word("flags", flags)?)?;
         scene.get().check(&self.inner)?;
         self.inner.check(&rays).map_err(exception)?;
         scene.get().warn_beyond_reach(py, &rays)?;
@@ -373,6 +370,17 @@ impl Unit {
     }
 }
 
+impl Unit {
+    /// A scene of this unit.
+    fn scene_of(
+        &self,
+        embed::UnitScene { bytes, root, bounds: [min, max], reach, queries }: embed::UnitScene,
+    ) -> UnitScene {
+        let node = Some(self.inner.parameters().step.node);
+        UnitScene { data: bytes, root, within: Some((min, max, reach)), node, queries: Some(queries) }
+    }
+}
+
 /// The object, if it is of this class of the package.
 fn of_class<'py>(object: &Bound<'py, PyAny>, class: &str, name: &str) -> PyResult<Bound<'py, PyAny>> {
     let py = object.py();
@@ -404,6 +412,11 @@ fn instances_of(instances: &Bound<'_, PyAny>) -> PyResult<Vec<SceneInstance>> {
     list.iter().enumerate().map(instance).collect()
 }
 
+/// A word of 32 bits.
+fn word(name: &str, value: i64) -> PyResult<u32> {
+    u32::try_from(value).map_err(|_| value_error(format!("{name} is {value}, expected 0 to {}", u32::MAX)))
+}
+
 /// The rays that a core traces at once.
 const PIECE: usize = 1 << 8;
 
@@ -428,30 +441,37 @@ pub fn shown(hit: UnitHit) -> UnitHit {
 ///     root: the child word of the root, which ``raypath scene`` prints.
 ///     within: the corners of the scene's box and its reach, for warnings of rays from further away.
 ///     node: the kind of its nodes, ``"wide4"``, ``"quantised"`` or ``"wide8"``; a unit that reads others refuses it.
+///     queries: those that it needs, ``"none"``, ``"flags"`` or ``"full"``; a unit that has less refuses it.
 ///
 /// Raises:
-///     OverflowError: a root of more than 32 bits.
+///     ValueError: a root of more than 32 bits; another node or queries.
 #[pyclass(module = "raypath", frozen)]
 pub struct UnitScene {
     pub data: Box<[u8]>,
     root: u32,
     within: Option<Within>,
     node: Option<NodeKind>,
+    queries: Option<Queries>,
 }
+
+/// What makes a scene: data, root, box and reach, nodes, queries.
+type SceneArguments<'py> = (Bound<'py, PyBytes>, u32, Option<Within>, Option<String>, Option<String>);
 
 /// The corners of a scene's box, and its reach.
 type Within = ([f32; 3], [f32; 3], f32);
 
 impl UnitScene {
-    /// An error for a unit that reads other nodes.
+    /// An error for a unit that reads other nodes, or that has less than the scene needs.
     pub fn check(&self, unit: &embed::Unit) -> PyResult<()> {
-        let expected = unit.parameters().step.node;
-        match self.node {
-            Some(found) if found != expected => {
-                Err(value_error(format!("scene: found nodes {found}, expected {expected}, which the unit reads")))
+        let StepParameters { node, features, .. } = unit.parameters().step;
+        let problem = match (self.node, self.queries) {
+            (Some(found), _) if found != node => format!("found nodes {found}, expected {node}, which the unit reads"),
+            (_, Some(needs)) if needs > features.queries => {
+                format!("it needs a unit with queries {needs}, found {}", features.queries)
             }
-            _ => Ok(()),
-        }
+            _ => return Ok(()),
+        };
+        Err(value_error(format!("scene: {problem}")))
     }
 
     fn warn_beyond_reach(&self, py: Python<'_>, rays: &[UnitRay]) -> PyResult<()> {
@@ -483,15 +503,25 @@ pub fn warn_beyond(py: Python<'_>, reach: f32, distances: impl Iterator<Item = f
 #[pymethods]
 impl UnitScene {
     #[new]
-    #[pyo3(signature = (data, root, within = None, node = None))]
-    fn new(data: &Bound<'_, PyBytes>, root: u32, within: Option<Within>, node: Option<&str>) -> PyResult<Self> {
+    #[pyo3(signature = (data, root, within = None, node = None, queries = None))]
+    fn new(
+        data: &Bound<'_, PyBytes>,
+        root: i64,
+        within: Option<Within>,
+        node: Option<&str>,
+        queries: Option<&str>,
+    ) -> PyResult<Self> {
+        let root = word("root", root)?;
         let node = node.map(str::parse).transpose().map_err(value_error)?;
-        Ok(Self { data: data.as_bytes().into(), root, within, node })
+        let unknown = |name| value_error(format!("queries: '{name}', expected none, flags or full"));
+        let queries = queries.map(|name| name.parse().map_err(|_| unknown(name))).transpose()?;
+        Ok(Self { data: data.as_bytes().into(), root, within, node, queries })
     }
 
     /// The arguments that make an equal scene, for ``pickle``.
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyBytes>, u32, Option<Within>, Option<String>) {
-        (self.data(py), self.root, self.within, self.node.map(|node| node.to_string()))
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> SceneArguments<'py> {
+        let (node, queries) = (self.node.map(|node| node.to_string()), self.queries.map(|queries| queries.to_string()));
+        (self.data(py), self.root, self.within, node, queries)
     }
 
     /// The greatest distance, along any axis, between the origin of a ray and a vertex; None for bytes from elsewhere.
@@ -534,7 +564,7 @@ impl UnitScene {
     ///     for each ray.
     ///
     /// Raises:
-    ///     ValueError: another type or shape.
+    ///     ValueError: another type or shape, or a word of more than 32 bits.
     #[pyo3(signature = (origins, directions, *, t_min = 0.0, t_max = f32::INFINITY, flags = 0, cull_mask = 255,
         base = 0))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
@@ -545,10 +575,11 @@ impl UnitScene {
         directions: &Bound<'py, PyAny>,
         t_min: f32,
         t_max: f32,
-        flags: u32,
-        cull_mask: u32,
-        base: u32,
+        flags: i64,
+        cull_mask: i64,
+        base: i64,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let (flags, cull_mask, base) = (word("flags", flags)?, word("cull_mask", cull_mask)?, word("base", base)?);
         let origins = items::<[f32; 3]>(origins, "origins")?;
         let directions = items_like::<[f32; 3]>(directions, "directions", origins.len(), "origins")?;
         let root = self.root;

@@ -361,7 +361,7 @@ def test_groups(node: Literal["wide4", "quantised", "wide8"]) -> None:
     with pytest.raises(ValueError, match="bytes from elsewhere"):
         unit.group([raypath.Instance(outer[0], scene=raypath.UnitScene(body.data, body.root))])
     with pytest.raises(ValueError, match="no nested instances, expected a unit with nested instances"):
-        raypath.Unit("compact", instances=True, node=node).group(parts, reach=500)
+        raypath.Unit("compact", instances=True, queries="full", node=node).group(parts, reach=500)
 
 
 def test_queries() -> None:
@@ -578,6 +578,14 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
     (lambda unit: unit.simulate(SCENE, RAYS, bandwidth=0), r"0 bytes a cycle, expected 1 to 65536"),
     (lambda unit: unit.simulate(SCENE, RAYS, cache=100), r"a cache of 100 bytes"),
     (lambda unit: unit.trace(raypath.UnitScene(b"", 32, node="quantised"), RAYS), r"nodes quantised, expected wide4"),
+    (
+        lambda unit: unit.trace(raypath.UnitScene(b"", 32, queries="flags"), RAYS),
+        r"unit with queries flags, found none",
+    ),
+    (lambda unit: raypath.UnitScene(b"", 32, queries="all"), r"'all', expected none, flags or full"),  # type: ignore[arg-type]
+    (lambda unit: raypath.UnitScene(b"", 1 << 32), r"root is 4294967296, expected 0 to 4294967295"),
+    (lambda unit: SCENE.rays(ONES, ONES, base=-1), r"base is -1, expected 0 to 4294967295"),
+    (lambda unit: unit.query(SCENE, RAYS, flags=1 << 40), r"flags is 1099511627776, expected 0"),
     (lambda unit: raypath.UnitModel(unit).run(10, RAYS, np.array([1, 4096])), r"ray_ids: found 4096, expected .* 12"),
     (lambda unit: raypath.UnitModel(unit).step(RAYS), r"ray: found 2 rays, expected 1"),
     (lambda unit: raypath.UnitModel(unit).step(RAYS[0], 4096), r"id 4096, expected at most 12 bits"),

@@ -18,6 +18,8 @@ pub struct UnitScene {
     /// The greatest distance, along any axis, between a ray's origin and a vertex up to which no hit is lost: infinite
     /// without instances.
     pub reach: f32,
+    /// What it needs of a unit.
+    pub queries: Queries,
 }
 
 /// What a scene is built from.
@@ -200,7 +202,7 @@ impl Unit {
             .blocks()
             .map_or((&[][..], 0, Bounds::EMPTY), |blocks| (blocks.bytes(), blocks.root(), blocks.bounds()));
         let Bounds { min, max } = if scene.instances() == 0 { scene.bounds() } else { around };
-        Ok(UnitScene { bytes: bytes.into(), root, bounds: [min, max], reach: scene.reach() })
+        Ok(UnitScene { bytes: bytes.into(), root, bounds: [min, max], reach: scene.reach(), queries: needs })
     }
 
     /// Builds a scene of scenes that this unit reads: each place names one of them by its number. In a unit with nested
@@ -221,7 +223,7 @@ impl Unit {
         let StepParameters { node, features, .. } = self.parameters().step;
         let members: Vec<Member<'_>> = scenes
             .iter()
-            .map(|UnitScene { bytes, root, bounds: [min, max], reach }| {
+            .map(|UnitScene { bytes, root, bounds: [min, max], reach, .. }| {
                 let bounds = Bounds { min: *min, max: *max };
                 Member { bytes, root: *root, bounds, reach: *reach }
             })
@@ -234,10 +236,11 @@ impl Unit {
         let Group { blocks, bounds: Bounds { min, max }, reach } =
             group(&members, &places, reach, node).map_err(|problem| error(&problem))?;
         let needs = blocks.features();
+        let queries = scenes.iter().fold(needs.queries, |all, scene| all.max(scene.queries));
         for (is_missing, what) in [
             (!features.instances, "instances"),
             (needs.nested && !features.nested, "nested instances"),
-            (needs.queries > features.queries, "queries"),
+            (queries > features.queries, "queries"),
         ] {
             if is_missing {
                 return Err(error(&format!(
@@ -245,6 +248,6 @@ impl Unit {
                 )));
             }
         }
-        Ok(UnitScene { bytes: blocks.bytes().into(), root: blocks.root(), bounds: [min, max], reach })
+        Ok(UnitScene { bytes: blocks.bytes().into(), root: blocks.root(), bounds: [min, max], reach, queries })
     }
 }

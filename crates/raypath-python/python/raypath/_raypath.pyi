@@ -695,15 +695,17 @@ class UnitScene:
         root: the child word of the root, which ``raypath scene`` prints.
         within: the corners of the scene's box and its reach, for warnings of rays from further away.
         node: the kind of its nodes, ``"wide4"``, ``"quantised"`` or ``"wide8"``; a unit that reads others refuses it.
+        queries: those that it needs, ``"none"``, ``"flags"`` or ``"full"``; a unit that has less refuses it.
 
     Raises:
-        OverflowError: a root of more than 32 bits."""
+        ValueError: a root of more than 32 bits; another node or queries."""
     def __new__(
         cls,
         data: bytes,
         root: int,
         within: tuple[Sequence[float], Sequence[float], float] | None = None,
         node: Literal["wide4", "quantised", "wide8"] | None = None,
+        queries: Literal["none", "flags", "full"] | None = None,
     ) -> UnitScene: ...
     @property
     def reach(self) -> float | None:
@@ -747,7 +749,7 @@ class UnitScene:
             for each ray.
 
         Raises:
-            ValueError: another type or shape."""
+            ValueError: another type or shape, or a word of more than 32 bits."""
     def __len__(self) -> int: ...
 
 @final
