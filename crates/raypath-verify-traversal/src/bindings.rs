@@ -3,7 +3,7 @@
 use super::setting::Setting;
 use raypath_hdl::Module;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::{StepParameters, UnitParameters};
+use raypath_traversal::{Queries, StepParameters, UnitParameters};
 use std::fmt::Write as _;
 
 /// The bits of a word with the values 0 to `count` - 1.
@@ -58,10 +58,6 @@ pub fn queue_words(_: &Setting, queue: &Module) -> String {
 /// The width of a context.
 fn context_width(module: &Module) -> String {
     format!("  localparam int W = {};\n", module.port_width("context_i").unwrap_or(1))
-}
-
-pub fn nothing(_: &Setting, _: &Module) -> String {
-    String::new()
 }
 
 /// The contexts that were never used begin with this one; there are N contexts.
@@ -126,6 +122,37 @@ pub fn blocks(setting: &Setting, module: &Module) -> String {
         right.push(format!("p_{stem}_{beat}"));
     }
     text + &format!("  wire p_right = {};\n", right.join(" && "))
+}
+
+/// The sources of answers.
+fn sources(setting: &Setting) -> (bool, String) {
+    let has_candidates = setting.unit.parameters.step.features.queries == Queries::Full;
+    (has_candidates, format!("  localparam int S = {};\n", if has_candidates { 6 } else { 5 }))
+}
+
+pub fn scheduler(setting: &Setting, _: &Module) -> String {
+    sources(setting).1
+}
+
+/// The verdicts that wait, and whether a step ends with a candidate.
+pub fn walk(setting: &Setting, _: &Module) -> String {
+    let (has_candidates, text) = sources(setting);
+    let [valid, taken, asks, context] = match has_candidates {
+        true => ["decided_valid", "scheduler_grant[5]", "asks_o", "decided_context"],
+        false => ["1'b0", "1'b0", "1'b0", "0"],
+    };
+    text + &format!(
+        "  wire p_verdict_valid = {valid}, p_verdict_taken = {taken}, p_candidate = {asks};\n  \
+         wire [W-1:0] p_verdict_context = {context};\n"
+    )
+}
+
+/// The words that are kept for one context: of the closest hit, and of the state.
+pub fn candidates(setting: &Setting, _: &Module) -> String {
+    let (tested, state, contexts) = (225, 83, bits(setting.unit.parameters.contexts));
+    format!("  localparam int T = {tested}, V = {state};\n")
+        + &of_memory("tested", contexts, tested)
+        + &of_memory("states", contexts, state)
 }
 
 /// Whether the words of the triangle are those of its place in the block.

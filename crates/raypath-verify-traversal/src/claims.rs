@@ -43,28 +43,34 @@ impl Claim {
 }
 
 /// The queues of the unit: the first has a claim with faults, and the others differ in the width of words.
-const QUEUES: [&str; 7] = [
-    "raypath_unit_free",
-    "raypath_unit_starts",
-    "raypath_unit_arrivals",
-    "raypath_unit_tested",
-    "raypath_unit_continues",
-    "raypath_unit_requests",
-    "raypath_unit_ended",
+const QUEUES: [(Variant, &str); 9] = [
+    (Variant::Plain, "raypath_unit_free"),
+    (Variant::Plain, "raypath_unit_starts"),
+    (Variant::Plain, "raypath_unit_arrivals"),
+    (Variant::Plain, "raypath_unit_tested"),
+    (Variant::Plain, "raypath_unit_continues"),
+    (Variant::Plain, "raypath_unit_requests"),
+    (Variant::Plain, "raypath_unit_ended"),
+    (Variant::Queries, "raypath_unit_decided"),
+    (Variant::Queries, "raypath_unit_asked"),
 ];
 
 /// Whether a module is a queue.
 pub fn is_queue(module: &Module) -> bool {
-    QUEUES.contains(&module.name())
+    QUEUES.iter().any(|(_, queue)| *queue == module.name())
 }
 
 /// The claims about the other queues.
 pub fn queues() -> impl Iterator<Item = Claim> {
-    QUEUES[1..].iter().map(|module| Claim { module, queue: Some(("", module)), faults: &[], ..CLAIMS[0] })
+    let claim = |&(variant, module)| Claim { module, variant, queue: Some(("", module)), faults: &[], ..CLAIMS[0] };
+    QUEUES[1..].iter().map(claim)
 }
 
 /// Modules about which the same is claimed, with the same faults, as in the plain unit.
-const ALIKE: [(Variant, &str); 5] = [
+const ALIKE: [(Variant, &str); 8] = [
+    (Variant::Queries, "raypath_unit_walk"),
+    (Variant::Queries, "raypath_unit_distance"),
+    (Variant::Queries, "raypath_unit_blocks"),
     (Variant::Instances, "raypath_unit_distance"),
     (Variant::Quantised, "raypath_unit_distance"),
     (Variant::Eight, "raypath_unit_distance"),
@@ -112,7 +118,7 @@ claims! {
         once: "fresh_q <= fresh_q + 3'd1" => "fresh_q <= fresh_q + 3'd2";
     }
     "raypath_unit_scheduler" in Plain: include_str!("properties/scheduler.sv"),
-        None, nothing; "p_waits_q[14:12] == 4 && grant_o[4]"; {
+        None, scheduler; "p_waits_q[14:12] == 4 && grant_o[4]"; {
         fair: "assign later = request_i[4:1] & after_q" => "assign later = 4'd0";
         fair: "{|grant[3:0]," => "{|grant[2:0],";
         one_hot: "later & (~later + 4'd1)" => "later";
@@ -143,7 +149,7 @@ claims! {
         own_values: ".write_address_i (context_i)" => ".write_address_i (ended_context)";
     }
     "raypath_unit_walk" in Plain: include_str!("properties/walk.sv"),
-        Some(("u_continues.", "raypath_unit_continues")), nothing; "p_continues && p_follows_q && p_ahead_q == 0"; {
+        Some(("u_continues.", "raypath_unit_continues")), walk; "p_continues && p_follows_q && p_ahead_q == 0"; {
         one_request: "finishes_q & (finish_request_kind == 2'd1)" => "finish_request_kind == 2'd1";
         one_request: "finishes_q & (finish_request_kind == 2'd1)" => "1'b0";
         two_cycles: "<= prepared_context_q;" => "<= read_context;";
@@ -181,6 +187,16 @@ claims! {
         kept_in_instances: "job_inside_i ? object_constants_kx : constants_kx" => "constants_kx";
         kept: "job_inside_i ? object_origins_x : origins_origin_x" => "object_origins_x";
         order: ".is_instance_i (entries_is_instance)" => ".is_instance_i (1'b0)";
+    }
+    "raypath_unit_scheduler" in Queries: include_str!("properties/scheduler.sv"),
+        None, scheduler; "p_waits_q[17:15] == 5 && grant_o[5]"; {
+        fair: "assign later = request_i[5:1] & after_q" => "assign later = 5'd0";
+        always_one: "request_i & (~request_i + 6'd1)" => "6'd0";
+    }
+    "raypath_unit_candidates" in Queries: include_str!("properties/candidates.sv"),
+        Some(("u_asked.", "raypath_unit_asked")), candidates; "p_shows_q && ready_i"; {
+        one_candidate: "takes  = asked_valid & (~valid_q | ready_i)" => "takes  = asked_valid";
+        own_values: ".write_address_i (tested_context_i)" => ".write_address_i (context_i)";
     }
     "raypath_unit_entries" in Instances: include_str!("properties/entries.sv"),
         None, set_up; "enters_instance_o && p_waits_q[3:0] == 9"; {

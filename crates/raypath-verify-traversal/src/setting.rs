@@ -5,7 +5,7 @@ use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
 use raypath_tools::ToolError;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::{Front, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
+use raypath_traversal::{Front, Queries, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 use raypath_verify::Error;
 use std::sync::Arc;
 
@@ -35,18 +35,23 @@ pub enum Variant {
     Quantised,
     /// Nodes with eight children, instances and barycentric coordinates.
     Eight,
+    /// Queries, nested instances and barycentric coordinates.
+    Queries,
 }
 
 impl Variant {
     /// All variants. A module that several have comes first in the unit about which its claim is.
-    pub const ALL: [Self; 4] = [Self::Plain, Self::Quantised, Self::Instances, Self::Eight];
+    pub const ALL: [Self; 5] = [Self::Plain, Self::Quantised, Self::Instances, Self::Eight, Self::Queries];
 
     /// The parameters of a unit, with these parts.
     pub fn of(self, parameters: UnitParameters) -> UnitParameters {
-        let instances = matches!(self, Self::Instances | Self::Eight);
-        let features = UnitFeatures { barycentrics: self != Self::Plain, instances, ..UnitFeatures::OFF };
+        let (nested, instances) =
+            (self == Self::Queries, matches!(self, Self::Instances | Self::Eight | Self::Queries));
+        let queries = if nested { Queries::Full } else { Queries::None };
+        let features =
+            UnitFeatures { barycentrics: self != Self::Plain, instances, nested, queries, ..UnitFeatures::OFF };
         let node = match self {
-            Self::Plain | Self::Instances => NodeKind::Wide4,
+            Self::Plain | Self::Instances | Self::Queries => NodeKind::Wide4,
             Self::Quantised => NodeKind::Quantised,
             Self::Eight => NodeKind::Wide8,
         };

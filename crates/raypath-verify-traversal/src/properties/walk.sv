@@ -1,12 +1,13 @@
   // An answer is taken wherever there is one, and only one. Two cycles later its step ends, with one write of its own
-  // context's state, and the ray fetches, ends or continues.
-  wire [3:0] p_taken = {start_taken_o, fault_taken_o, block_taken_o, boxes_taken};
-  wire [3:0] p_offered = {start_valid_i, fault_valid_i, block_valid_i, tested_valid};
+  // context's state, and the ray fetches, ends, continues or asks about a candidate.
+  wire [4:0] p_taken = {p_verdict_taken, start_taken_o, fault_taken_o, block_taken_o, boxes_taken};
+  wire [4:0] p_offered = {p_verdict_valid, start_valid_i, fault_valid_i, block_valid_i, tested_valid};
   wire p_continues = read_o && p_taken == 0;
-  always_comb taken: assert ((p_taken & ~p_offered) == 0 && (p_taken & (p_taken - 4'd1)) == 0);
+  always_comb taken: assert ((p_taken & ~p_offered) == 0 && (p_taken & (p_taken - 5'd1)) == 0);
   always_comb always_one: assert ((p_offered == 0 || read_o) && (p_taken == 0 || read_o));
   always_comb own_context: assert (
     (!start_taken_o || read_context_o == start_context_i) && (!fault_taken_o || read_context_o == fault_context_i)
+    && (!p_verdict_taken || read_context_o == p_verdict_context)
     && (!block_taken_o || read_context_o == block_context_i) && (!boxes_taken || read_context_o == tested_context));
   logic p_first_q, p_second_q;
   logic [W-1:0] p_first_context_q, p_second_context_q;
@@ -15,8 +16,8 @@
     else {p_first_q, p_second_q} <= {read_o, p_first_q};
   always_ff @(posedge clk_i) {p_first_context_q, p_second_context_q} <= {read_context_o, p_first_context_q};
   always_comb two_cycles: assert (finishes_q == p_second_q && (!p_second_q || context_o == p_second_context_q));
-  wire [1:0] p_asks = {1'b0, fetches_o} + {1'b0, ends_o} + {1'b0, again_asked};
-  always_comb one_request: assert (p_asks == {1'b0, p_second_q});
+  wire [2:0] p_asks = {2'd0, fetches_o} + {2'd0, ends_o} + {2'd0, again_asked} + {2'd0, p_candidate};
+  always_comb one_request: assert (p_asks == {2'd0, p_second_q});
 
   // Rays that continue come back, in order. Environment: at most N rays continue.
   logic [8:0] p_inside_q;
@@ -41,15 +42,16 @@
   always_comb order: assert (!(p_follows_q && p_ahead_q == 0 && p_continues) || read_context_o == p_word_q);
   always_comb real_ray: assert (!p_continues || p_inside_q != 0);
 
-  // Each answer waits for at most four others, a ray that continues for one cycle more.
-  logic [14:0] p_waits_q;
-  wire [4:0] p_waiting = {p_inside_q != 0 && !p_continues, p_offered & ~p_taken};
-  logic [4:0] p_unfair;
-  for (genvar k = 0; k < 5; k++) begin : g_fair
+  // Each answer waits for at most S - 1 others, a ray that continues for one cycle more.
+  logic [3*S-1:0] p_waits_q;
+  wire [4:0] p_left = p_offered & ~p_taken;
+  wire [5:0] p_waiting = {p_left[4], p_inside_q != 0 && !p_continues, p_left[3:0]};
+  logic [S-1:0] p_unfair;
+  for (genvar k = 0; k < S; k++) begin : g_fair
     always_ff @(posedge clk_i or negedge rst_ni)
       if (!rst_ni) p_waits_q[3*k +: 3] <= 0;
       else p_waits_q[3*k +: 3] <= p_waiting[k] ? p_waits_q[3*k +: 3] + 3'd1 : 3'd0;
-    assign p_unfair[k] = p_waiting[k] && p_waits_q[3*k +: 3] >= (k == 4 ? 5 : 4);
+    assign p_unfair[k] = p_waiting[k] && p_waits_q[3*k +: 3] >= (k == 4 ? S : S - 1);
   end
   always_comb fair: assert (p_unfair == 0);
 
@@ -61,15 +63,18 @@
     .inside (p_inside_q), .followed (p_follows_q), .index (p_ahead_q), .word (p_word_q), .holds (p_holds)
   );
   // The scheduler has granted sources nearer and nearer to one that waits.
-  (* hierconn *) logic [3:0] \u_scheduler.after_q ;
-  wire [4:0] p_after = {\u_scheduler.after_q , 1'b0};
-  wire [3:0] p_later = {3'd0, p_after[4]} + {3'd0, p_after[3]} + {3'd0, p_after[2]} + {3'd0, p_after[1]};
+  (* hierconn *) logic [S-2:0] \u_scheduler.after_q ;
+  wire [S-1:0] p_after = {\u_scheduler.after_q , 1'b0};
+  logic [3:0] p_later;
   logic p_nearer;
   always_comb begin
-    p_nearer = ((p_after << 1) & ~p_after & 5'h1f) == 0;
-    for (int k = 0; k < 5; k++)
-      p_nearer = p_nearer && {1'b0, p_waits_q[3*k +: 3]} + (p_after[k] ? 4'(k) + p_later - 4'd5 : p_later + 4'(k))
-        <= (k == 4 ? 5 : 4);
+    p_later = 0;
+    for (int k = 0; k < S; k++) p_later = p_later + {3'd0, p_after[k]};
+    p_nearer = 1;
+    for (int k = 0; k < S - 1; k++) p_nearer = p_nearer && (!p_after[k] || p_after[k + 1]);
+    for (int k = 0; k < S; k++)
+      p_nearer = p_nearer && {1'b0, p_waits_q[3*k +: 3]} + (p_after[k] ? 4'(k) + p_later - 4'(S) : p_later + 4'(k))
+        <= (k == 4 ? S : S - 1);
   end
   always_comb lemmas: assert (p_holds && p_nearer && (p_valid || p_waits_q[14:12] == 0) && prepares_q == p_first_q
     && (!p_first_q || prepared_context_q == p_first_context_q));
