@@ -160,6 +160,7 @@ pub fn issue(setting: &Setting, _: &Module) -> String {
     let nodes = setting.unit.parameters.step.node;
     let (jobs, triangles) = (nodes.children() / 4, nodes.triangles_per_block());
     let jobs = format!("  localparam logic [1:0] NODE_JOBS = {jobs}, TRIANGLES = {triangles};\n");
+    let is_instance = if nodes == NodeKind::Quantised { " || is_instance_i" } else { "" };
     let word = |k: usize| {
         let (vertex, axis) = (k / 3, k % 3);
         let others = match nodes {
@@ -170,7 +171,7 @@ pub fn issue(setting: &Setting, _: &Module) -> String {
                 format!("{high} ? ({low} ? {a} : {b}) : {low} ? {c} : {d}")
             }
         };
-        format!("triangle_{k}_o == (place_o == 0 ? word_{k}_i : {others})")
+        format!("triangle_{k}_o == (place_o == 0{is_instance} ? word_{k}_i : {others})")
     };
     let words: Vec<String> = (0..9).map(word).collect();
     jobs + &format!("  wire p_same_words = is_node_o\n    || ({});\n", words.join("\n      && "))

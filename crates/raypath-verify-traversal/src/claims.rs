@@ -224,7 +224,8 @@ claims! {
     "raypath_unit_issue" in Quantised: include_str!("properties/issue.sv"),
         Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && p_jobs_q == 1 && !p_failed"; {
         each_job: "assign ends = (leaves & is_last)" => "assign ends = leaves";
-        words: "place_q[0] ? word_15_i[1:0]" => "~place_q[0] ? word_15_i[1:0]";
+        words: "is_second ? word_15_i[1:0]" => "~is_second ? word_15_i[1:0]";
+        words: "is_second = place_q[0] & ~is_instance_i" => "is_second = place_q[0]";
     }
     "raypath_unit_issue" in Eight: include_str!("properties/issue.sv"),
         Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && p_jobs_q == 1 && !p_failed"; {

@@ -29,13 +29,13 @@ pub(super) const LEAST: UnitParameters = UnitParameters {
 pub enum Variant {
     /// None.
     Plain,
-    /// Instances and barycentric coordinates.
+    /// Instances and barycentric coordinates, as the others have.
     Instances,
-    /// Quantised nodes and barycentric coordinates.
+    /// Quantised nodes.
     Quantised,
-    /// Nodes with eight children, instances and barycentric coordinates.
+    /// Nodes with eight children.
     Eight,
-    /// Queries, nested instances and barycentric coordinates.
+    /// Queries and nested instances.
     Queries,
 }
 
@@ -45,11 +45,10 @@ impl Variant {
 
     /// The parameters of a unit, with these parts.
     pub fn of(self, parameters: UnitParameters) -> UnitParameters {
-        let (nested, instances) =
-            (self == Self::Queries, matches!(self, Self::Instances | Self::Eight | Self::Queries));
+        let (has_more, nested) = (self != Self::Plain, self == Self::Queries);
         let queries = if nested { Queries::Full } else { Queries::None };
         let features =
-            UnitFeatures { barycentrics: self != Self::Plain, instances, nested, queries, ..UnitFeatures::OFF };
+            UnitFeatures { barycentrics: has_more, instances: has_more, nested, queries, ..UnitFeatures::OFF };
         let node = match self {
             Self::Plain | Self::Instances | Self::Queries => NodeKind::Wide4,
             Self::Quantised => NodeKind::Quantised,

@@ -70,7 +70,8 @@ pub fn issue(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<Ar
         NodeKind::Wide4 | NodeKind::Wide8 => of_place(&words, place.wire()),
         NodeKind::Quantised => {
             let is_second = place.wire().bit(0);
-            of_vertices(&words, is_instance.map_or(is_second, |is_instance| is_second & !is_instance))
+            let is_second = is_instance.map_or(is_second, |is_instance| is_second & !is_instance);
+            of_vertices(&words, is_second.named("is_second"))
         }
     };
 
