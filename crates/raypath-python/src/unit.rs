@@ -513,8 +513,7 @@ impl UnitScene {
     ) -> PyResult<Self> {
         let root = word("root", root)?;
         let node = node.map(str::parse).transpose().map_err(value_error)?;
-        let unknown = |name| value_error(format!("queries: '{name}', expected none, flags or full"));
-        let queries = queries.map(|name| name.parse().map_err(|_| unknown(name))).transpose()?;
+        let queries = queries.map(str::parse).transpose().map_err(value_error)?;
         Ok(Self { data: data.as_bytes().into(), root, within, node, queries })
     }
 

@@ -582,7 +582,7 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
         lambda unit: unit.trace(raypath.UnitScene(b"", 32, queries="flags"), RAYS),
         r"unit with queries flags, found none",
     ),
-    (lambda unit: raypath.UnitScene(b"", 32, queries="all"), r"'all', expected none, flags or full"),  # type: ignore[arg-type]
+    (lambda unit: raypath.UnitScene(b"", 32, queries="all"), r"'all', expected none, flags, full"),  # type: ignore[arg-type]
     (lambda unit: raypath.UnitScene(b"", 1 << 32), r"root is 4294967296, expected 0 to 4294967295"),
     (lambda unit: SCENE.rays(ONES, ONES, base=-1), r"base is -1, expected 0 to 4294967295"),
     (lambda unit: unit.query(SCENE, RAYS, flags=1 << 40), r"flags is 1099511627776, expected 0"),

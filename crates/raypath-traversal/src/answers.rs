@@ -1,7 +1,7 @@
 //! What jobs and the memory answer, in native binary32.
 
 use crate::blocks::wide8::{self, Half, Node8, Window};
-use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind, child_words, geometry};
+use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind, child_words};
 use crate::candidate::Verdict;
 use crate::fold::{After, HitLimits, fold};
 use crate::instance::{Instance, Row, Transform, TransformInput};
@@ -199,7 +199,7 @@ impl Answers {
             v_num: outcome.barycentric.w,
             is_clockwise: !outcome.facing,
             primitive: Word::truncate(index),
-            geometry: Word::truncate(geometry(block, nodes)),
+            geometry: Word::truncate(LeafTriangle::geometry(block, nodes)),
         }
     }
 }

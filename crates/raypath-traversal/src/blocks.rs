@@ -53,7 +53,7 @@ mod kind;
 pub mod quantised;
 pub mod wide8;
 
-pub use kind::{NodeKind, ParseNodeKindError};
+pub use kind::NodeKind;
 
 use crate::instance::INSTANCE_KIND;
 use raypath_ops::{Aabb, Binary32, Slab, Triangle, array_of};
@@ -254,7 +254,7 @@ impl LeafTriangle {
 
     /// The index of the geometry of a leaf's block, in a scene with these nodes.
     pub fn geometry(block: &[u8], nodes: NodeKind) -> u32 {
-        geometry(block, nodes)
+        word(block, nodes.geometry_word())
     }
 
     /// A triangle of a leaf's block, by its place, in a scene with these nodes.
@@ -330,11 +330,6 @@ pub fn move_children(block: &mut [u8], of: Child, nodes: NodeKind, offset: u32) 
 #[inline]
 pub(crate) fn child_words(block: &[u8], nodes: NodeKind) -> [u32; 4] {
     array_of!(i => word(block, nodes.child_word() + i))
-}
-
-/// The index of the geometry of a leaf's block.
-pub(crate) fn geometry(block: &[u8], nodes: NodeKind) -> u32 {
-    word(block, nodes.geometry_word())
 }
 
 /// The bounds of a box in the order of memory: the minima, then the maxima.

@@ -5,7 +5,7 @@
 
 use crate::answers::{Answers, ReadyRay};
 use crate::blocks::{
-    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, LeafTriangle, MAX_LEAF, NODE_KIND, NodeKind, child_words, geometry, word,
+    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, LeafTriangle, MAX_LEAF, NODE_KIND, NodeKind, child_words, word,
 };
 use crate::blocks::{quantised, wide8};
 use crate::candidate::{Candidate, Verdict};
@@ -376,7 +376,7 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     #[inline(always)]
     fn indices(&self, block: &[u8]) -> Hit {
         let has_flags = self.parameters.features.has_flags();
-        let geometry = if has_flags { geometry(block, self.parameters.node) } else { 0 };
+        let geometry = if has_flags { LeafTriangle::geometry(block, self.parameters.node) } else { 0 };
         let instance = self.instance.map(|Instance { index, custom_index, shader_offset, .. }| match has_flags {
             true => HitInstance { index, custom_index, shader_offset },
             false => HitInstance { index, ..HitInstance::default() },

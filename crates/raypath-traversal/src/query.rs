@@ -3,8 +3,6 @@
 
 use crate::words::{WordCircuit, WordMethods};
 use raypath_ops::{Bit, Circuit, Select, Word, bundle};
-use std::fmt;
-use std::str::FromStr;
 use thiserror::Error;
 
 /// The flags of a ray. The bits are those of SPIR-V's `RayFlags`.
@@ -73,32 +71,38 @@ pub enum Front {
     Clockwise,
 }
 
-/// The error of a name that is none of [`Queries`] or [`Front`].
+/// The error of a name that is none of a parameter's values.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is not a name of this parameter")]
-pub struct ParseNameError(pub String);
+#[error("'{found}', expected {}", expected.join(", "))]
+pub struct ParseNameError {
+    /// The name.
+    pub found: String,
+    /// The names of the values.
+    pub expected: &'static [&'static str],
+}
 
 /// Implements names of values: how they are shown and read.
 macro_rules! names {
     ($type:ident { $($value:ident = $name:literal),* }) => {
-        impl fmt::Display for $type {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str(match self { $(Self::$value => $name),* })
             }
         }
 
-        impl FromStr for $type {
-            type Err = ParseNameError;
+        impl std::str::FromStr for $type {
+            type Err = $crate::ParseNameError;
 
-            fn from_str(name: &str) -> Result<Self, ParseNameError> {
+            fn from_str(name: &str) -> Result<Self, Self::Err> {
                 match name {
                     $($name => Ok(Self::$value),)*
-                    _ => Err(ParseNameError(name.to_string())),
+                    _ => Err($crate::ParseNameError { found: name.to_string(), expected: &[$($name),*] }),
                 }
             }
         }
     };
 }
+pub(crate) use names;
 
 names! { Queries { None = "none", Flags = "flags", Full = "full" } }
 names! { Front { CounterClockwise = "counter-clockwise", Clockwise = "clockwise" } }

@@ -194,13 +194,6 @@ fn verilator_equals_the_model_in_every_cycle() {
     verilator_equals_the_model(StepParameters { features: EVERYTHING, ..StepParameters::default() });
 }
 
-/// Without anything that a unit may have.
-#[test]
-#[ignore = "long: another build by Verilator"]
-fn verilator_equals_the_plain_model_in_every_cycle() {
-    verilator_equals_the_model(StepParameters::default());
-}
-
 #[test]
 #[ignore = "long: another build by Verilator"]
 fn verilator_equals_the_model_with_quantised_nodes_in_every_cycle() {

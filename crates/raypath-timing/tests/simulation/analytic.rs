@@ -2,8 +2,8 @@
 
 use crate::simulation::common::{Cycles, Echo, Script, Tag, echo, issue};
 use raypath_model::{Control, Loop, Shape};
-use raypath_ops::JobKind::{Angular, Euclidean, Quadbox, Triangle};
-use raypath_timing::{Action, Environment, SimulationError, Sink, Starved, Timing, simulate};
+use raypath_ops::JobKind::{Angular, Euclidean, Quadbox};
+use raypath_timing::{Action, Environment, SimulationError, Sink, Timing, simulate};
 use std::cell::Cell;
 
 fn run(agents: Vec<Vec<Action<Tag>>>, environment: &Environment, shape: &Shape) -> Result<Timing, SimulationError> {
@@ -12,46 +12,6 @@ fn run(agents: Vec<Vec<Action<Tag>>>, environment: &Environment, shape: &Shape) 
 
 fn environment(in_flight: usize, memory_latency: u64) -> Environment {
     Environment { in_flight, memory_latency, sink: Sink::Always }
-}
-
-fn shapes() -> impl Iterator<Item = Shape> {
-    [Control::Skid, Control::Credit]
-        .into_iter()
-        .flat_map(|control| [1, 2, 12, 30].map(|latency| Shape { latency, control, ..Shape::default() }))
-}
-
-/// With one agent nothing overlaps: each job takes the latency of the pipeline and one cycle at the output, each fetch
-/// the latency of memory.
-#[test]
-fn one_agent_in_flight_takes_the_sum_of_all_latencies() {
-    for shape in shapes() {
-        let visit = [
-            Action::Fetch,
-            issue(Quadbox, 0),
-            Action::Wait,
-            Action::Fetch,
-            Action::Fetch,
-            issue(Triangle, 1),
-            Action::Wait,
-        ];
-        let timing = run(vec![visit.to_vec(); 5], &environment(1, 70), &shape).expect("runs");
-        let inside = shape.latency as u64;
-        assert_eq!(
-            timing,
-            Timing {
-                cycles: 5 * (3 * 70 + 2 * (inside + 1)),
-                agents: 5,
-                jobs: [5, 5, 0, 0],
-                fetches: 15,
-                accepted: 10,
-                refused: 0,
-                starved: Starved { memory: 5 * 3 * 70, outcomes: 10 * inside, both: 0, locked: 0 },
-                sink_refused: 0,
-                latency_sum: 10 * inside,
-                queueing_sum: 0,
-            }
-        );
-    }
 }
 
 /// An accumulator loop of four stages accepts a beat of its operation every four cycles.

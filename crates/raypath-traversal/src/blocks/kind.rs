@@ -2,9 +2,7 @@
 
 use super::MAX_LEAF;
 use super::wide8::WINDOW;
-use std::fmt;
-use std::str::FromStr;
-use thiserror::Error;
+use crate::query::names;
 
 /// How the nodes of a scene are laid out, and with them the blocks of its leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -17,11 +15,6 @@ pub enum NodeKind {
     /// Eight boxes of 8 bits a bound, in blocks of 128 bytes: see [`wide8`](super::wide8).
     Wide8,
 }
-
-/// The error of a name that is none of a kind of nodes.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("nodes '{0}', expected wide4, quantised or wide8")]
-pub struct ParseNodeKindError(pub String);
 
 impl NodeKind {
     /// All kinds.
@@ -73,11 +66,6 @@ impl NodeKind {
         }
     }
 
-    /// The number of blocks of a leaf with so many places for triangles.
-    pub const fn leaf_blocks(self, count: u32) -> u32 {
-        count.div_ceil(self.triangles_per_block())
-    }
-
     /// The word of a node's block with the first of the four that tell its children: child words, or with wide8 two
     /// bases and eight bytes.
     pub const fn child_word(self) -> usize {
@@ -110,20 +98,4 @@ impl NodeKind {
     }
 }
 
-impl fmt::Display for NodeKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Wide4 => "wide4",
-            Self::Quantised => "quantised",
-            Self::Wide8 => "wide8",
-        })
-    }
-}
-
-impl FromStr for NodeKind {
-    type Err = ParseNodeKindError;
-
-    fn from_str(name: &str) -> Result<Self, ParseNodeKindError> {
-        Self::ALL.into_iter().find(|kind| kind.to_string() == name).ok_or_else(|| ParseNodeKindError(name.to_string()))
-    }
-}
+names! { NodeKind { Wide4 = "wide4", Quantised = "quantised", Wide8 = "wide8" } }

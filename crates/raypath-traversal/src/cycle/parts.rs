@@ -364,18 +364,10 @@ impl Kind {
     /// The kind of the first job of a block.
     #[inline]
     pub fn first(asked: Asked, has_eight: bool) -> Self {
-        // The number of jobs is 0 to 3, where 0 is a node.
-        const OF_BLOCK: [Kind; 8] = [
-            Kind::Node,
-            Kind::LastTriangle,
-            Kind::Triangle,
-            Kind::Triangle,
-            Kind::Half,
-            Kind::LastTriangle,
-            Kind::Triangle,
-            Kind::Triangle,
-        ];
-        let place = usize::from(asked.count) % 4 + 4 * usize::from(has_eight);
+        // The number of jobs is 0 to 3, where 0 is a node, and then one with eight children.
+        const OF_BLOCK: [Kind; 5] = [Kind::Node, Kind::LastTriangle, Kind::Triangle, Kind::Triangle, Kind::Half];
+        let count = usize::from(asked.count) % 4;
+        let place = if count == 0 && has_eight { 4 } else { count };
         if asked.is_instance { Self::Origin } else { OF_BLOCK[place] }
     }
 

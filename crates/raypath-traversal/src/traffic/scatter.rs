@@ -146,7 +146,7 @@ fn blocks(child: Child, nodes: NodeKind) -> impl Iterator<Item = usize> {
     let (address, count) = match child {
         Child::None => (0, 0),
         Child::Node { address } | Child::Instance { address } | Child::Box { address, .. } => (address, 1),
-        Child::Leaf { address, count, .. } => (address, nodes.leaf_blocks(count)),
+        Child::Leaf { address, count, .. } => (address, count.div_ceil(nodes.triangles_per_block())),
     };
     (0..count).map(move |block| (address + block * nodes.block_bytes()) as usize)
 }
