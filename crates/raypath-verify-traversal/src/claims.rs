@@ -55,9 +55,9 @@ const QUEUES: [(Variant, &str); 9] = [
     (Variant::Queries, "raypath_unit_asked"),
 ];
 
-/// Whether a module is a queue.
-pub fn is_queue(module: &Module) -> bool {
-    QUEUES.iter().any(|(_, queue)| *queue == module.name())
+/// Whether the properties of a module are all that it must do: of queues, and of the scheduler.
+pub fn are_all(module: &Module) -> bool {
+    QUEUES.iter().any(|(_, queue)| *queue == module.name()) || module.name() == "raypath_unit_scheduler"
 }
 
 /// The claims about the other queues.
@@ -67,7 +67,9 @@ pub fn queues() -> impl Iterator<Item = Claim> {
 }
 
 /// Modules about which the same is claimed, with the same faults, as in the plain unit.
-const ALIKE: [(Variant, &str); 8] = [
+const ALIKE: [(Variant, &str); 10] = [
+    (Variant::Instances, "raypath_unit_walk"),
+    (Variant::Quantised, "raypath_unit_walk"),
     (Variant::Queries, "raypath_unit_walk"),
     (Variant::Queries, "raypath_unit_distance"),
     (Variant::Queries, "raypath_unit_blocks"),
@@ -205,6 +207,10 @@ claims! {
         every_five: "ready_o             = ready & ~chosen" => "ready_o             = ready";
         enters: "~transformed_is_last_i | (chosen & ready)" => "~transformed_is_last_i | chosen";
         own_context: "chosen ? transformed_context_i : context_i" => "chosen ? context_i : transformed_context_i";
+    }
+    "raypath_unit_blocks" in Quantised: include_str!("properties/blocks.sv"),
+        None, blocks; "p_here && arrived_o && failed_o && !error_i"; {
+        kept: ".write_enable_i (valid_i & beat)" => ".write_enable_i (valid_i & ~beat)";
     }
     "raypath_unit_decoder" in Quantised: include_str!("properties/decoder.sv"),
         None, decoder; "p_follows_q && p_ahead_q == 1"; {

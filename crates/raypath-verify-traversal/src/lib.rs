@@ -161,7 +161,7 @@ fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Str
     let fates: Vec<(String, Fate)> = run_all(request, verdict, mutants.len(), || {
         Ok(|number: usize, stop: &AtomicBool| {
             let mutant = &mutants[number];
-            Ok(Some((mutant.fault.to_string(), mutant.fate(seed, stop)?)))
+            Ok(Some((mutant.description(), mutant.fate(seed, stop)?)))
         })
     })?;
     let (mut checked, mut killed, mut refuted, mut equivalent, mut survivors) = (0_usize, 0, 0, 0, Vec::new());

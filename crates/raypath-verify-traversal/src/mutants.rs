@@ -1,6 +1,6 @@
 //! Faults in the modules of the unit, and whether checks of modules and the first episodes of the campaign find them.
 
-use super::claims::is_queue;
+use super::claims::are_all;
 use super::proofs::Obligation;
 use super::setting::{Setting, Variant};
 use super::{campaign, modules};
@@ -40,8 +40,7 @@ impl MutatedModule {
 /// A fault in a module.
 pub struct Mutant<'s> {
     subject: &'s MutatedModule,
-    /// The fault.
-    pub fault: &'s Fault,
+    fault: &'s Fault,
 }
 
 /// What became of a fault.
@@ -55,7 +54,7 @@ pub enum Fate {
     Refuted,
     /// None of these, and the modules are proven equivalent, with registers and memories as cut points.
     Equivalent,
-    /// None of these, and the properties of the module, which are all that a queue must do, are proved in spite of it.
+    /// None of these, and the properties of the module, which are all that it must do, are proved in spite of it.
     Harmless,
     /// None of these, and the proof had this result.
     Survived(String),
@@ -103,6 +102,11 @@ pub fn choose(subjects: &[MutatedModule], count: usize, seed: u64) -> Vec<Mutant
 }
 
 impl Mutant<'_> {
+    /// The fault, and the kind of unit that has it.
+    pub fn description(&self) -> String {
+        format!("{}, {:?}", self.fault, self.subject.variant)
+    }
+
     /// Runs the check of the module by itself, the first episodes of the campaign, and then the proofs.
     ///
     /// # Errors
@@ -146,7 +150,7 @@ impl Mutant<'_> {
             if check(&refutation) == Some(CheckResult::Fails) {
                 return Ok(Fate::Refuted);
             }
-            if is_queue(module) && check(&proof) == Some(CheckResult::Holds) {
+            if are_all(module) && check(&proof) == Some(CheckResult::Holds) {
                 return Ok(Fate::Harmless);
             }
         }
