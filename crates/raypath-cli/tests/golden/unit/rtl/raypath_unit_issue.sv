@@ -70,6 +70,7 @@ module raypath_unit_issue (
   logic       failed_q;
   logic [5:0] context_q;
   logic [1:0] place_q;
+  logic [1:0] next_place;
   logic       leaves;
   logic       ends;
 
@@ -98,7 +99,7 @@ module raypath_unit_issue (
 
   always_ff @(posedge clk_i) begin
     if (take | leaves) begin
-      place_q <= take ? 2'd0 : place_q + 2'd1;
+      place_q <= take ? 2'd0 : next_place;
     end
   end
 
@@ -108,11 +109,12 @@ module raypath_unit_issue (
   logic fault;
   logic offer;
 
-  assign is_node = count_i == 2'd0;
-  assign is_last = is_node | ((place_q + 2'd1) == count_i);
-  assign fault   = busy_q & failed_q;
-  assign offer   = busy_q & ~failed_q;
-  assign leaves  = offer & ready_i;
+  assign is_node    = count_i == 2'd0;
+  assign next_place = place_q + 2'd1;
+  assign is_last    = is_node | (next_place == count_i);
+  assign fault      = busy_q & failed_q;
+  assign offer      = busy_q & ~failed_q;
+  assign leaves     = offer & ready_i;
 
   // ---- The next block -------------------------------------------------------
   assign ends = (leaves & is_last) | (fault & fault_taken_i);
