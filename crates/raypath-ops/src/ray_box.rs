@@ -12,9 +12,8 @@ use crate::{
 pub struct RayBox {
     /// The rules for special cases.
     pub rules: Rules,
-    /// Lowers `tmin` by [`MARGIN_ULPS`], so that rounding never causes a miss: neither of a box that the ray touches nor
-    /// of a box around a triangle that [`RayTriangle`](crate::RayTriangle) hits. `docs/reference/error-bounds.md` has
-    /// the proof.
+    /// Lowers `tmin` by [`MARGIN_ULPS`], so that rounding never causes a miss of a box that the ray touches.
+    /// `docs/reference/error-bounds.md` has the proof, and what it says of triangles.
     pub is_conservative: bool,
 }
 

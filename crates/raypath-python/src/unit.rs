@@ -146,7 +146,7 @@ impl Unit {
             triangles: (0..faces).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
             boxes,
             geometries,
-            instances: instances.map(instances_of).transpose()?,
+            instances: instances.map(|instances| instances_of(instances, false)).transpose()?,
             reach,
         };
         let unit = self.inner.clone();
@@ -167,7 +167,7 @@ impl Unit {
     ///         for a smaller reach.
     #[pyo3(signature = (instances, *, reach = None))]
     fn group(&self, py: Python<'_>, instances: &Bound<'_, PyList>, reach: Option<f32>) -> PyResult<UnitScene> {
-        let places = instances_of(instances)?;
+        let places = instances_of(instances, true)?;
         let (mut scenes, mut members): (Vec<Bound<'_, UnitScene>>, Vec<u32>) = (Vec::new(), Vec::new());
         for (index, instance) in instances.iter().enumerate() {
             let scene = instance.getattr("scene")?;
@@ -253,6 +253,7 @@ impl Unit {
         let rays = rays_of(rays, word("flags", flags)?)?;
         scene.get().check(&self.inner)?;
         self.inner.check(&rays).map_err(exception)?;
+        rays.first().map(|ray| self.inner.query(ray)).transpose().map_err(exception)?;
         scene.get().warn_beyond_reach(py, &rays)?;
         let query = Bound::new(py, RayQuery::new(&self.inner, scene, rays))?;
         py.import("raypath._queries")?.getattr("Query")?.call1((query,))
@@ -390,8 +391,8 @@ fn of_class<'py>(object: &Bound<'py, PyAny>, class: &str, name: &str) -> PyResul
     Err(value_error(format!("{name}: found {}, expected a raypath.{class}", object.get_type().name()?)))
 }
 
-/// Instances from matrices, or from objects with their fields.
-fn instances_of(instances: &Bound<'_, PyAny>) -> PyResult<Vec<SceneInstance>> {
+/// Instances from matrices, or from objects with their fields, which may have scenes of their own.
+fn instances_of(instances: &Bound<'_, PyAny>, have_scenes: bool) -> PyResult<Vec<SceneInstance>> {
     let Ok(list) = instances.cast::<PyList>() else {
         return Ok(items(instances, "instances")?.iter().copied().map(SceneInstance::of).collect());
     };
@@ -399,8 +400,13 @@ fn instances_of(instances: &Bound<'_, PyAny>) -> PyResult<Vec<SceneInstance>> {
         let instance = of_class(&instance, "Instance", &format!("instances: item {index}"))?;
         let number = |field: &str| -> PyResult<u32> {
             let value = instance.getattr(field)?;
-            value.extract().map_err(|_| value_error(format!("instance {index}: {field} is {value}, expected a number")))
+            let expected =
+                || value_error(format!("instance {index}: {field} is {value}, expected a number of 32 bits"));
+            value.extract().map_err(|_| expected())
         };
+        if !have_scenes && !instance.getattr("scene")?.is_none() {
+            return Err(value_error(format!("instance {index} has a scene, expected none: Unit.group places scenes")));
+        }
         Ok(SceneInstance {
             matrix: item(&instance.getattr("matrix")?, &format!("matrix of instance {index}"))?,
             custom_index: number("custom_index")?,
@@ -564,7 +570,7 @@ impl UnitScene {
     ///
     /// Raises:
     ///     ValueError: another type or shape, or a word of more than 32 bits.
-    #[pyo3(signature = (origins, directions, *, t_min = 0.0, t_max = f32::INFINITY, flags = 0, cull_mask = 255,
+    #[pyo3(signature = (origins, directions, *, t_min = 0.0, t_max = f64::INFINITY, flags = 0, cull_mask = 255,
         base = 0))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn rays<'py>(
@@ -572,13 +578,20 @@ impl UnitScene {
         py: Python<'py>,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
-        t_min: f32,
-        t_max: f32,
+        t_min: f64,
+        t_max: f64,
         flags: i64,
         cull_mask: i64,
         base: i64,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (flags, cull_mask, base) = (word("flags", flags)?, word("cull_mask", cull_mask)?, word("base", base)?);
+        let distance = |name: &str, value: f64| match value as f32 {
+            rounded if rounded.is_infinite() && value.is_finite() => {
+                Err(value_error(format!("{name} is {value:e}, expected a number of binary32 or infinity")))
+            }
+            rounded => Ok(rounded),
+        };
+        let (t_min, t_max) = (distance("t_min", t_min)?, distance("t_max", t_max)?);
         let origins = items::<[f32; 3]>(origins, "origins")?;
         let directions = items_like::<[f32; 3]>(directions, "directions", origins.len(), "origins")?;
         let root = self.root;

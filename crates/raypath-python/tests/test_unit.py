@@ -364,6 +364,21 @@ def test_groups(node: Literal["wide4", "quantised", "wide8"]) -> None:
         raypath.Unit("compact", instances=True, queries="full", node=node).group(parts, reach=500)
 
 
+@pytest.mark.parametrize("node", ["wide4", "quantised", "wide8"])
+def test_small_far_triangle(node: Any) -> None:
+    """A triangle of 1e-7 of its distance, 24 degrees beside the ray: with edges shared, products that are equal after
+    rounding make it a hit where its box is hit."""
+    small = [[-2.36888973e-05, -1.56584443e-04, -7.90799095e-05], [-1.89789425e-04, 8.59675492e-05, -2.98614148e-04]]
+    small.append([-7.75014923e-05, -1.79507842e-04, 4.44700672e-05])
+    corners = 1e6 * f32([[-1, -1, 1], [1, -1, -1], [-1, 1, -1], [-1, 1, -1.01]])
+    big = corners[:, None] + f32([[0, 0, 0], [9, 0, 0], [0, 9, 0]])
+    for edges in ("shared", "once"):
+        unit = raypath.Unit("compact", node=node, edges=edges)
+        scene = unit.scene(np.concatenate([f32([small]), big]))
+        rays = scene.rays(f32([[1159.3567, -394.22552, -4307.6147]]), f32([[-0.69405454, 0.4443117, 1]]))
+        assert unit.trace(scene, rays).status[0] == (edges == "shared" and node != "wide4")
+
+
 def test_queries() -> None:
     """Geometries that are opaque or not and have indices; masks, flags and indices of instances."""
     unit = raypath.Unit("compact", instances=True, queries="flags", barycentrics=True)
@@ -441,7 +456,8 @@ def test_candidates() -> None:
     query = unit.query(scene, rays)
     with pytest.raises(ValueError, match=r"0 of 3000 rays have ended"):
         query.hits  # noqa: B018
-    for candidates in query:
+    # A loop that is left and begun again goes on.
+    while (candidates := next(iter(query), None)) is not None:
         assert set(np.unique(candidates.geometry)) <= {0, 2}
         names = list(zip(candidates.ray.tolist(), candidates.geometry.tolist(), candidates.primitive.tolist()))
         assert not seen.intersection(names)
@@ -449,6 +465,9 @@ def test_candidates() -> None:
         np.testing.assert_array_equal(candidates.direction, directions[candidates.ray])
         np.testing.assert_allclose(candidates.origin, local[candidates.ray], atol=1e-6)
         is_hit, t = sphere(candidates.ray, candidates.primitive % 30)
+        for wrong in ({"accept": "no"}, {"accept": [True] * (len(t) + 1)}, {"accept": True, "end": 0.5}):
+            with pytest.raises(ValueError, match=r"(accept|end): found .*, expected booleans of shape"):
+                candidates.answer(**wrong)
         candidates.answer(np.where(candidates.is_box, is_hit, candidates.primitive % 3 == 0), t=t)
     hits = query.hits
     # In float64: the nearest wall, leaf that is not cut out, or sphere.
@@ -583,6 +602,13 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
         r"unit with queries flags, found none",
     ),
     (lambda unit: raypath.UnitScene(b"", 32, queries="all"), r"'all', expected none, flags, full"),  # type: ignore[arg-type]
+    (lambda unit: raypath.Geometry(TRIANGLE, opaque="no"), r"opaque is 'no', expected True or False"),  # type: ignore[arg-type]
+    (lambda unit: unit.query(SCENE, RAYS), r"a query of a unit with queries none, expected full"),
+    (
+        lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=[raypath.Instance(PLACES[0], scene=SCENE)]),
+        r"instance 0 has a scene, expected none",
+    ),
+    (lambda unit: SCENE.rays(ONES, ONES, t_min=1e39), r"t_min is 1e39, expected a number of binary32"),
     (lambda unit: raypath.UnitScene(b"", 1 << 32), r"root is 4294967296, expected 0 to 4294967295"),
     (lambda unit: SCENE.rays(ONES, ONES, base=-1), r"base is -1, expected 0 to 4294967295"),
     (lambda unit: unit.query(SCENE, RAYS, flags=1 << 40), r"flags is 1099511627776, expected 0"),

@@ -21,7 +21,7 @@ pub type Bvh4 = Bvh<4>;
 ///
 /// # Boxes of children
 /// They are the exact bounds of what is below. Box tests are [conservative](raypath_ops::RayBox::is_conservative), so no
-/// ray that hits a triangle misses a box around it.
+/// ray that touches a triangle misses a box around it.
 ///
 /// If cancellation changes t by more than the depth range of a triangle (a face seen edge-on), t may be less than the
 /// distance at which the ray enters the box *along kx or ky*. Such a hit can be culled in favour of another whose t

@@ -53,7 +53,7 @@ pub enum RefitError {
     #[error("triangle {0} of the mesh has a vertex apart that it shares with another in the scene, expected the same")]
     Divided(u32),
     /// What is not made from a mesh.
-    #[error("{0} in the scene, expected triangles of one geometry")]
+    #[error("{0} in the scene, expected triangles of one geometry, each once")]
     Content(&'static str),
     /// A node that its kind does not have.
     #[error(transparent)]
@@ -132,7 +132,9 @@ impl Refit<'_> {
             }
             let corners = mesh.corners(index);
             LeafTriangle::put_vertices(block, place, corners, nodes);
-            self.has[index as usize] = true;
+            if std::mem::replace(&mut self.has[index as usize], true) {
+                return Err(RefitError::Content("a triangle that comes twice"));
+            }
             all = corners.into_iter().fold(all, Bounds::with);
             placed.push((address, place));
         }

@@ -4,7 +4,7 @@ use super::Unit;
 use super::layout::{UnitHit, UnitRay};
 use crate::Error;
 use raypath_traversal::state::NO_INSTANCE;
-use raypath_traversal::{self as unit, Candidate, HitInstance, Verdict};
+use raypath_traversal::{self as unit, Candidate, HitInstance, Queries, Verdict};
 
 /// Something that a ray may hit, about which its user decides, 80 bytes: a triangle that is not opaque, or a procedural
 /// box. The members are the ports of the channel of candidates; for a box, all but its indices and the ray are 0.
@@ -81,12 +81,16 @@ impl UnitQuery {
 }
 
 impl Unit {
-    /// A ray that waits for its user at each candidate. A unit without `queries = "full"` has none.
+    /// A ray that waits for its user at each candidate.
     ///
     /// # Errors
-    /// A ray with a value that its port does not have.
+    /// A ray with a value that its port does not have; a unit without `queries = "full"`.
     pub fn query(&self, ray: &UnitRay) -> Result<UnitQuery, Error> {
         self.check(std::slice::from_ref(ray))?;
+        let queries = self.parameters().step.features.queries;
+        if queries != Queries::Full {
+            return Err(Error::Argument(format!("a query of a unit with queries {queries}, expected full")));
+        }
         Ok(UnitQuery(self.functional.query(&ray.into())))
     }
 

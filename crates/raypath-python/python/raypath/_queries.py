@@ -81,6 +81,8 @@ class Geometry:
     def __post_init__(self) -> None:
         if (self.triangles is None) == (self.boxes is None):
             raise ValueError("a geometry has triangles or boxes, expected one of them")
+        if not isinstance(self.opaque, (bool, np.bool_)):
+            raise ValueError(f"opaque is {self.opaque!r}, expected True or False")
 
 
 class Candidates:
@@ -106,9 +108,18 @@ class Candidates:
             end: whether the ray ends, with its closest hit.
 
         Raises:
-            ValueError: another number of values than candidates.
+            ValueError: another number or type of values than candidates take.
         """
-        self._verdicts["accept"], self._verdicts["end"], self._verdicts["t"] = accept, end, t
+        verdicts = np.zeros(len(self), _VERDICT)
+        for name, given, kinds in (("accept", accept, "b"), ("end", end, "b"), ("t", t, "fiu")):
+            values = np.asarray(given)
+            expected = "booleans" if kinds == "b" else "numbers"
+            if values.dtype.kind not in kinds or values.shape not in ((), (len(self),)):
+                found = f"{values.dtype} of shape {values.shape}"
+                raise ValueError(f"{name}: found {found}, expected {expected} of shape () or ({len(self)},)")
+            with np.errstate(over="ignore"):
+                verdicts[name] = values
+        self._verdicts = verdicts
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         if name.startswith("_") or name not in (self.array.dtype.names or ()):
@@ -144,13 +155,14 @@ class Query:
 
     def __init__(self, inner: Any) -> None:
         self._inner = inner
+        # The last batch, whose verdicts are given when the next is asked for, by this iterator or by another.
+        self._last: Candidates | None = None
 
     def __iter__(self) -> Iterator[Candidates]:
-        verdicts = None
-        while (array := self._inner.advance(verdicts)) is not None:
-            candidates = Candidates(array)
-            yield candidates
-            verdicts = candidates._verdicts
+        while (array := self._inner.advance(None if self._last is None else self._last._verdicts)) is not None:
+            self._last = Candidates(array)
+            yield self._last
+        self._last = None
 
     @property
     def hits(self) -> UnitHits:
