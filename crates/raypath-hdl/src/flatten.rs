@@ -11,21 +11,25 @@ use std::sync::Arc;
 /// # Errors
 /// No such port, or signals that depend on themselves.
 pub fn depends_combinationally(module: &Arc<Module>, output: &str, input: &str) -> Result<bool, Error> {
-    let from = module.input_position(input)?;
-    let to = module.output_position(output)?;
+    module.input_position(input)?;
+    Ok(combinational_inputs(module, &[output])?.contains(&input))
+}
+
+/// The names of the inputs that outputs depend on within one cycle.
+///
+/// # Errors
+/// No output of one of these names; a combinational loop.
+pub fn combinational_inputs<'m>(module: &'m Arc<Module>, outputs: &[&str]) -> Result<Vec<&'m str>, Error> {
+    let positions = outputs.iter().map(|output| module.output_position(output)).collect::<Result<Vec<_>, _>>()?;
+    let mut open: Vec<SignalId> = positions.into_iter().map(|position| module.outputs[position].signal).collect();
     let graph = loop_free(module)?;
-    let target = module.inputs[from].signal;
     let mut seen = vec![false; graph.nodes.len()];
-    let mut open = vec![module.outputs[to].signal];
     while let Some(node) = open.pop() {
-        if node == target {
-            return Ok(true);
-        }
         if !std::mem::replace(&mut seen[node.index()], true) {
             open.extend(graph.operands(node));
         }
     }
-    Ok(false)
+    Ok(module.inputs.iter().filter(|port| seen[port.signal.index()]).map(|port| port.name.as_str()).collect())
 }
 
 /// The names of the inputs that outputs depend on, in the same cycle or through registers and memories.

@@ -54,7 +54,7 @@ pub use depth::longest_path;
 pub use error::Error;
 pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
 pub use expose::{expose_memories, expose_registers, with_enables};
-pub use flatten::{depends_combinationally, influences};
+pub use flatten::{combinational_inputs, depends_combinationally, influences};
 pub use formula::Formula;
 pub use names::problem as name_problem;
 pub use netlist::{

@@ -87,6 +87,10 @@ impl UnitFeatures {
     pub const OFF: Self =
         Self { barycentrics: false, edges: EdgeRule::Shared, instances: false, nested: false, queries: Queries::None };
 
+    /// All optional parts.
+    pub const ALL: Self =
+        Self { barycentrics: true, edges: EdgeRule::Once, instances: true, nested: true, queries: Queries::Full };
+
     /// Whether there are flags of primitives and instances.
     pub(crate) fn has_flags(self) -> bool {
         self.queries != Queries::None

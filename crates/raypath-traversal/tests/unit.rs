@@ -4,7 +4,7 @@
 use crate::common::along_z;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_ops::{EdgeRule, Rounding, Rules};
+use raypath_ops::{Rounding, Rules};
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Options, Sources, Verilated};
 use raypath_traversal::blocks::NodeKind::{Quantised, Wide4, Wide8};
@@ -21,8 +21,7 @@ const NOTHING: UnitFeatures = UnitFeatures::OFF;
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
 const FLAGS: UnitFeatures = UnitFeatures { queries: Queries::Flags, ..NOTHING };
 const CANDIDATES: UnitFeatures = UnitFeatures { queries: Queries::Full, ..NOTHING };
-const EVERYTHING: UnitFeatures =
-    UnitFeatures { barycentrics: true, edges: EdgeRule::Once, instances: true, nested: true, queries: Queries::Full };
+const EVERYTHING: UnitFeatures = UnitFeatures::ALL;
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
 const SLOW: Behaviour = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
 const BLOCKED: Behaviour = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
@@ -192,12 +191,6 @@ fn a_unit_accepts_one_ray_more_than_it_has_contexts() {
 #[test]
 fn verilator_equals_the_model_in_every_cycle() {
     verilator_equals_the_model(StepParameters { features: EVERYTHING, ..StepParameters::default() });
-}
-
-#[test]
-#[ignore = "long: another build by Verilator"]
-fn verilator_equals_the_model_with_quantised_nodes_in_every_cycle() {
-    verilator_equals_the_model(StepParameters { node: Quantised, features: NOTHING, ..StepParameters::default() });
 }
 
 /// Cycles of resets.

@@ -4,7 +4,7 @@
 use crate::built;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_ops::{EdgeRule, Rules};
+use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::status;
@@ -76,17 +76,7 @@ const UNITS: [Setting; 8] = [
     with(unit(Control::Skid, [32, 32, 512, 16, 27]), NodeKind::Wide4, WEIGHTS),
     with(unit(Control::Credit, [9, 2, 128, 4, 9]), NodeKind::Wide8, UnitFeatures { instances: true, ..WEIGHTS }),
     with(unit(Control::Skid, [40, 2, 512, 16, 2]), NodeKind::Quantised, UnitFeatures { instances: true, ..WEIGHTS }),
-    with(
-        unit(Control::Skid, [12, 2, 512, 5, 3]),
-        NodeKind::Wide4,
-        UnitFeatures {
-            barycentrics: true,
-            edges: EdgeRule::Once,
-            instances: true,
-            nested: true,
-            queries: Queries::Full,
-        },
-    ),
+    with(unit(Control::Skid, [12, 2, 512, 5, 3]), NodeKind::Wide4, UnitFeatures::ALL),
 ];
 
 /// The units of the campaign.

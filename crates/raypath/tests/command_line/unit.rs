@@ -188,6 +188,7 @@ fn instances_on_the_command_line() {
 /// the rays of a picture of the built-in scene, with the hits of the functional model to the bit, and its picture is
 /// the model's.
 #[test]
+#[ignore = "long: a build by Verilator; examples/queries has one, too"]
 fn the_rtl_draws_the_picture_of_the_model() {
     const SIZE: &str = "8x6";
     let folder = folder();
