@@ -36,6 +36,7 @@ fn exposed(top: &Arc<Module>, with_registers: bool) -> Arc<Module> {
             return Ok(module.clone());
         }
         let mut open = Open::new(copy);
+        open.module.text.template = None;
         if with_registers {
             open.module.text = Text::default();
             open.registers();
@@ -139,7 +140,7 @@ impl Open {
     /// Adds a nameless signal.
     pub fn add(&mut self, width: u32, driver: Driver) -> SignalId {
         let id = SignalId(self.module.signals.len() as u32);
-        self.module.signals.push(Signal { name: None, width, driver, comment: None });
+        self.module.signals.push(Signal { name: None, width, driver, comment: None, hint: None });
         id
     }
 

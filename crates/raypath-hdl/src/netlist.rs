@@ -28,6 +28,8 @@ pub struct Signal {
     pub driver: Driver,
     /// A comment that is printed beside the declaration.
     pub comment: Option<String>,
+    /// What it holds: its name in the text, if it has no name and needs one.
+    pub hint: Option<String>,
 }
 
 /// What drives a signal. Operands of `And` to `Sub`, of comparisons and of multiplexers have equal widths; nothing is

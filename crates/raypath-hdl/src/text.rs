@@ -86,8 +86,25 @@ pub struct Bank {
     pub output: PortGroup,
 }
 
+/// A text with parameters that many modules have: they differ in the values of the parameters. Instances are of this
+/// text; where a module is printed by itself, its text is that of its netlist.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Template {
+    /// The name of the module in the text.
+    pub module: String,
+    /// The comment at its head.
+    pub doc: String,
+    /// Its text, from `module` on.
+    pub text: String,
+    /// Parameters, and their values for this module.
+    pub parameters: Vec<(&'static str, u32)>,
+    /// The ports of the text besides clock and reset, and the ports of the netlist that are at each, the most significant
+    /// first.
+    pub ports: Vec<(String, Vec<String>)>,
+}
+
 /// The width that stands for the parameter `Width` in the text of a module with [`Text::has_width_parameter`]. Names of
-/// signals of this width begin with `data` there.
+/// signals of this width begin with `data` or `tag` there.
 pub const PAYLOAD: u32 = 64;
 
 /// How a module is printed. By default, ports and registers are printed as they are in the netlist.
@@ -103,6 +120,10 @@ pub struct Text {
     pub bank: Option<Bank>,
     /// Output ports in a structure, in a module without a bank.
     pub output: Option<PortGroup>,
+    /// The ports whose names begin so, under a comment each. No port has a remark.
+    pub channels: Vec<(String, String)>,
+    /// The text that instances have.
+    pub template: Option<Template>,
     /// Whether the text has a parameter `Width` instead of words of [`PAYLOAD`] bits.
     pub has_width_parameter: bool,
 }
@@ -172,7 +193,7 @@ impl Module {
 
     /// An error where the text would print another signal than the payload with the width of the payload.
     pub(crate) fn expect_payload_only(&self) -> Result<(), Error> {
-        let is_payload = |name: &String| name.starts_with("data");
+        let is_payload = |name: &String| name.starts_with("data") || name.starts_with("tag");
         let other = |signal: &Signal| signal.name.clone().filter(|name| signal.width == PAYLOAD && !is_payload(name));
         match self.signals.iter().find_map(other).filter(|_| self.text.has_width_parameter) {
             None => Ok(()),

@@ -97,6 +97,12 @@ fn ports(module: &Module) -> Vec<String> {
             }
         }
     }
+    // Ports of a channel follow each other, the others before them.
+    let channel = |(_, name, _): &(String, String, _)| {
+        text.channels.iter().position(|(prefix, _)| name.starts_with(prefix)).map_or(0, |place| place + 1)
+    };
+    rows.sort_by_key(&channel);
+    let places: Vec<usize> = rows.iter().map(channel).collect();
     let parameter = match text.has_width_parameter {
         true => " #(\n  parameter logic [31:0] Width = 1\n)",
         false => "",
@@ -106,7 +112,16 @@ fn ports(module: &Module) -> Vec<String> {
         Some((_, last, _)) => last.truncate(last.len() - 1),
     }
     let mut lines = vec![format!("module {}{parameter} (", module.name())];
-    lines.extend(layout::declarations("  ", &rows));
+    let declarations = layout::declarations("  ", &rows);
+    let begins = |row: usize| places[row] > 0 && (row == 0 || places[row - 1] != places[row]);
+    match text.channels.is_empty() {
+        true => lines.extend(declarations),
+        // Without remarks there is a line for each row.
+        false => lines.extend(declarations.into_iter().enumerate().flat_map(|(row, line)| {
+            let title = begins(row).then(|| comment(&text.channels[places[row] - 1].1)).into_iter().flatten();
+            title.map(|line| format!("  {line}")).chain([line]).collect::<Vec<_>>()
+        })),
+    }
     lines.push(");".to_string());
     lines
 }

@@ -2,7 +2,7 @@
 
 use crate::query::Culls;
 use crate::state::TriangleHit;
-use crate::words::WordCircuit;
+use crate::words::{WordCircuit, label};
 use raypath_ops::{Bit, Num, Word, bundle};
 
 bundle! {
@@ -47,6 +47,8 @@ pub fn fold<C: WordCircuit>(
     let wins_tie = distance.equal() & found.primitive.less(before.primitive);
     let is_better = counts & (!has_before | distance.less() | wins_tie);
     let has_more = has_before & (counts | before.has_more);
+    let c = is_first.circuit;
+    label!(c: is_culled, is_after, counts, has_before, is_better);
     // The first is taken in any case: its indices are those of a block without a hit, too.
     TriangleHit { is_hit: counts | has_before, has_more, ..(is_better | is_first).select(found, before) }
 }

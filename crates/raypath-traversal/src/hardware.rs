@@ -19,6 +19,7 @@ mod parameters;
 mod properties;
 mod queue;
 mod rays;
+mod registers;
 mod scheduler;
 mod set_up;
 mod step;

@@ -80,6 +80,9 @@ impl<'m> Circuit for Netlist<'m> {
     type Word = Value<'m>;
     type Order = Comparison<'m>;
 
+    fn label<B: Bundle<Self>>(self, name: fmt::Arguments<'_>, value: &B) {
+        wires(&name.to_string(), value).into_iter().for_each(|(name, wire)| wire.hint(&name));
+    }
     fn constant(self, value: f32) -> Value<'m> {
         self.constant_value(WIDTH, value.to_bits().into())
     }
@@ -217,9 +220,16 @@ impl<'m> WordCircuit for Netlist<'m> {
         Value(!a.0)
     }
     fn word_highest(self, a: Value<'m>) -> Value<'m> {
-        let none = self.0.constant(5, 0);
-        let index = (1..32).fold(none, |lower, bit| a.0.bit(bit).mux(self.0.constant(5, bit.into()), lower));
-        Value(index)
+        // The upper half if it has a bit, else the lower one. The lowest bit of each decides nothing.
+        let mut word = a.0.upper(31);
+        let [b4, b3, b2, b1] = [16, 8, 4, 2].map(|half| {
+            let is_in_upper = word.upper(half).any();
+            word = is_in_upper.mux(word.upper(half - 1), word.lower(half - 1));
+            is_in_upper.hint(&format!("is_in_upper_{half}"));
+            word.hint(&format!("half_of_{half}"));
+            is_in_upper
+        });
+        Value(self.0.concat(&[b4, b3, b2, b1, word]))
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The quotients are computed between the two functions here, so that hardware can share one divider among them.
 
-use crate::words::{WordCircuit, WordMethods};
+use crate::words::{WordCircuit, WordMethods, label};
 use raypath_ops::{Bit, Circuit, Num, Ray, Vec3, Word, bundle};
 
 bundle! {
@@ -59,6 +59,7 @@ pub fn is_refused<C: WordCircuit>(c: C, entry: &Entry<C>) -> Bit<C> {
     let all = |of: [Num<C>; 3], test: &dyn Fn(Num<C>) -> Bit<C>| test(of[0]) & test(of[1]) & test(of[2]);
     let finite = all(origin, &|x| is_finite(c, x)) & all(dir, &|x| is_finite(c, x));
     let is_zero = all(dir, &|x| x.is_zero());
+    label!(c: finite, is_zero);
     !(finite & !is_zero & t_min.is_at_least_zero() & t_max.is_at_least_zero())
 }
 
@@ -69,6 +70,7 @@ pub fn axes<C: WordCircuit>(c: C, dir: Vec3<C>) -> Axes<C> {
     let y_is_greater = y.compare(x).greater();
     let z_is_greater = z.compare(y_is_greater.select(y, x)).greater();
     let kz: Word<C, 2> = z_is_greater.select(c.word(2), y_is_greater.select(c.word(1), c.word(0)));
+    label!(c: y_is_greater, z_is_greater, kz);
     let after = |k: Word<C, 2>| k.is(2).select(c.word(0), k.plus_constant(1));
     let (first, second) = (after(kz), after(after(kz)));
     let (kx, ky) = dir.along(kz).is_below_zero().exchange(first, second);
@@ -113,5 +115,7 @@ fn is_finite<C: WordCircuit>(c: C, x: Num<C>) -> Bit<C> {
 
 #[inline(always)]
 fn magnitude<C: WordCircuit>(x: Num<C>) -> Num<C> {
-    x.sign_bit().select(-x, x)
+    let (c, magnitude) = (x.circuit, x.sign_bit().select(-x, x));
+    label!(c: magnitude);
+    magnitude
 }

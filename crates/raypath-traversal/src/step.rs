@@ -21,7 +21,7 @@ use crate::blocks::{BOX_KINDS, MAX_LEAF, NODE_KIND, NodeKind, wide8};
 use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
 use crate::query::{Front, InstanceFlags, InstanceWords, Queries};
 use crate::state::{Answer, Group, RayState, Request, answer, request, status};
-use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
+use crate::words::{LEVELS, Levels, WordCircuit, WordMethods, label};
 use raypath_ops::{Bit, EdgeRule, Flags, Num, Select, Word, array_of, bundle};
 
 /// The parameters of a step.
@@ -214,6 +214,8 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     let next_block = is_done & !repeats & has_next;
     let leaf_ends = goes_on & !repeats & !has_next;
 
+    label!(c: has_boxes, has_block, has_verdict, is_done, goes_on, repeats, has_next, leaf_ends);
+
     // The child at `place` of the tested node, or the only child of an instance.
     let at_target = same(state.level, state.target);
     let along: Word<C, 3> = place_of(c, &state, state.level).widened();
@@ -221,6 +223,8 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
     let chosen = from_place(c, &answer, first, |item| child_of(c, parameters.node, &state, &answer, item));
     let descends = (has_boxes & chosen.hit) | enters;
     let is_lost = has_boxes & !chosen.hit & state.restarting;
+    let is_hit = chosen.hit;
+    label!(c: at_target, along, first, is_hit, descends, is_lost);
 
     // The first remaining child of the deepest pending level.
     let pops = leaf_ends | continues | stays_out | (has_boxes & !chosen.hit & !state.restarting);
@@ -234,7 +238,9 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
         no
     };
     let parent = descends.select(state.level, deepest);
-    let place = descends.select(first.part::<0, 2>(), place_of(c, &state, deepest).plus_constant(1));
+    let after_deepest = place_of(c, &state, deepest).plus_constant(1);
+    let place = descends.select(first.part::<0, 2>(), after_deepest);
+    label!(c: pops, deepest, instance_level, leads_to_lost_space, after_deepest, parent, place);
     HalfStep {
         starts,
         failed,
@@ -295,6 +301,8 @@ pub fn finish<C: WordCircuit>(
     let drops = is_read & !is_near;
     let restarts = pops & !is_empty & !half.is_on_stack;
 
+    label!(c: is_near, is_read, takes, drops, restarts);
+
     let at_root = starts | restarts;
     let visits = at_root | descends | takes;
     let child = at_root.select(given(c, parameters.node, state.root), descends.select(half.child, top.child[0]));
@@ -318,6 +326,8 @@ pub fn finish<C: WordCircuit>(
     let left = leaf_continues.select(state.leaf_left, target.count);
     let full = parameters.node.triangles_per_block();
     let count = left.less(c.word(full)).select(left.part::<0, 2>(), c.word(full));
+    label!(c: at_root, visits, child, level, leaves_instance, fetches_instance, fetches_node, is_opaque, skips_leaf);
+    label!(c: begins_leaf, fetches_leaf, left, count);
     let address = leaf_continues.select(state.leaf_address, target.address);
     // A node with eight children may be visited once more.
     let keeps_address = if parameters.node == NodeKind::Wide8 { fetches_leaf | fetches_node } else { fetches_leaf };
@@ -416,8 +426,10 @@ fn tested_block<C: WordCircuit>(
     // A hit at the ray's own end does not count.
     let wins_tie = state.has_hit & is_lower;
     let is_closer = has_block & hit.is_hit & (distance.less() | (distance.equal() & wins_tie));
+    let c = has_block.circuit;
+    label!(c: is_lower, wins_tie, is_closer);
     if !features.has_candidates() {
-        return TestedBlock { commits: is_closer, asks: has_block.circuit.bit(false) };
+        return TestedBlock { commits: is_closer, asks: c.bit(false) };
     }
     let RayState { leaf_is_box: is_box, leaf_is_opaque, .. } = *state;
     let is_in_range = distance.less_or_equal() & hit.t.compare(state.t_min).greater_or_equal();

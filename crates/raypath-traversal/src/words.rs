@@ -2,6 +2,14 @@
 
 use raypath_ops::{Binary32, Bit, Circuit, Select, Single, Word};
 
+/// Names of values in the text of the hardware.
+macro_rules! label {
+    ($c:ident: $($value:ident),*) => {
+        $($c.label(format_args!(stringify!($value)), &$value);)*
+    };
+}
+pub(crate) use label;
+
 /// A circuit with arithmetic on words. Widths are in bits, from 1 to 32; bits beyond the width of a word are 0.
 pub trait WordCircuit: Circuit {
     /// The sum modulo 2^`width`.

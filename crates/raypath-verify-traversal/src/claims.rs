@@ -128,11 +128,11 @@ claims! {
     }
     "raypath_unit_blocks" in Plain: include_str!("properties/blocks.sv"),
         None, blocks; "p_here && arrived_o && failed_o && !error_i"; {
-        last_beat: "valid_i & (beat == 2'd3)" => "valid_i & (beat == 2'd2)";
-        error: "failed_0_q <= failed & ~failed_0_t1" => "failed_0_q <= failed";
-        error: "failed      = failed_t1 | error_i" => "failed      = error_i";
-        no_other: "valid_i & (beat == 2'd3)" => "beat == 2'd3";
-        kept: ".write_enable_i (valid_i & (beat == 2'd1))" => ".write_enable_i (valid_i & (beat == 2'd2))";
+        last_beat: "arrived = valid_i & (progress_beat == 2'd3)" => "arrived = valid_i & (progress_beat == 2'd2)";
+        error: "next_failed = failed & (progress_beat != 2'd3)" => "next_failed = failed";
+        error: "failed  = progress_failed | error_i" => "failed  = error_i";
+        no_other: "arrived = valid_i & (progress_beat == 2'd3)" => "arrived = progress_beat == 2'd3";
+        kept: ".write_enable_i (valid_i & (progress_beat == 2'd1))" => ".write_enable_i (valid_i & (progress_beat == 2'd2))";
     }
     "raypath_unit_issue" in Plain: include_str!("properties/issue.sv"),
         Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && p_jobs_q == 2 && !p_failed"; {
@@ -188,7 +188,7 @@ claims! {
         kept: ".write_enable_i (entries_valid & ~entries_is_instance)" => ".write_enable_i (entries_valid)";
         kept_in_instances: "job_inside_i ? object_constants_kx : constants_kx" => "constants_kx";
         kept: "job_inside_i ? object_origins_x : origins_origin_x" => "object_origins_x";
-        order: ".is_instance_i (entries_is_instance)" => ".is_instance_i (1'b0)";
+        order: "entries_is_refused, entries_is_instance})" => "entries_is_refused, 1'b0})";
     }
     "raypath_unit_scheduler" in Queries: include_str!("properties/scheduler.sv"),
         None, scheduler; "p_waits_q[17:15] == 5 && grant_o[5]"; {
@@ -210,7 +210,7 @@ claims! {
     }
     "raypath_unit_blocks" in Quantised: include_str!("properties/blocks.sv"),
         None, blocks; "p_here && arrived_o && failed_o && !error_i"; {
-        kept: ".write_enable_i (valid_i & beat)" => ".write_enable_i (valid_i & ~beat)";
+        kept: ".write_enable_i (valid_i & progress_beat)" => ".write_enable_i (valid_i & ~progress_beat)";
     }
     "raypath_unit_decoder" in Quantised: include_str!("properties/decoder.sv"),
         None, decoder; "p_follows_q && p_ahead_q == 1"; {

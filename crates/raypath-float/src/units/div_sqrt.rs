@@ -51,7 +51,7 @@ impl DivSqrt {
     /// # Errors
     /// A latency of 0, or more than the significand's bits plus 3; a tag of more than 64 bits.
     pub fn pipelined(self, format: Format, latency: u32, tag_width: u32) -> Result<Arc<Module>, Error> {
-        let name = format!("raypath_{}_pipelined_{format}_l{latency}{}", self.stem(), tag_suffix(tag_width));
+        let name = format!("raypath_{}_pipelined_{format}_l{latency}", self.stem());
         let doc = format!("{}, pipelined.", self.doc());
         pipeline::pipeline(&name, &doc, &self.parts(format, latency)?, tag_width)
     }
@@ -64,7 +64,9 @@ impl DivSqrt {
     /// # Errors
     /// No digit, or more than a result has: the significand's bits plus 2; a tag of more than 64 bits.
     pub fn iterative(self, format: Format, digits: u32, tag_width: u32) -> Result<Arc<Module>, Error> {
-        let name = format!("raypath_{}_iterative_{format}_d{digits}{}", self.stem(), tag_suffix(tag_width));
+        // So that units with different tags have different names.
+        let tag = if tag_width == 0 { String::new() } else { format!("_t{tag_width}") };
+        let name = format!("raypath_{}_iterative_{format}_d{digits}{tag}", self.stem());
         let doc = format!("{}, {digits} digits a cycle.", self.doc());
         iterative::iterative(self, format, digits, tag_width, &name, &doc)
     }
@@ -91,11 +93,6 @@ impl DivSqrt {
             Self::QuotientOrRoot => "Quotient of two recoded numbers, or square root of the first",
         }
     }
-}
-
-/// So that units with different tags have different names.
-fn tag_suffix(width: u32) -> String {
-    if width == 0 { String::new() } else { format!("_t{width}") }
 }
 
 fn describe(function: DivSqrt, format: Format, parts: &mut Parts<'_>) {

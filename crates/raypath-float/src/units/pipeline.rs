@@ -2,14 +2,32 @@
 //!
 //! Hardware: registers with one enable. It is 0 while a result waits, so that all wait; bubbles are not filled.
 
-use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_hdl::text::{PAYLOAD, Template};
+use raypath_hdl::{Builder, Error, Module, Wire, verilog};
 use std::sync::Arc;
 
 /// Connects the parts of a unit by registers, with a handshake and a tag beside the data: the ports of
-/// [`DivSqrt::pipelined`](crate::DivSqrt::pipelined).
+/// [`DivSqrt::pipelined`](crate::DivSqrt::pipelined). Units whose tags differ in their width have one text.
 pub(crate) fn pipeline(name: &str, doc: &str, parts: &[Arc<Module>], tag_width: u32) -> Result<Arc<Module>, Error> {
-    let m = Builder::new(name);
-    m.doc(doc);
+    let builder = Builder::new(&if tag_width > 0 { format!("{name}_t{tag_width}") } else { name.to_string() });
+    builder.doc(doc);
+    if (1..PAYLOAD).contains(&tag_width) {
+        let any = Builder::new(&format!("{name}_tagged"));
+        any.parameterise_width();
+        let any = connected(any, parts, PAYLOAD)?;
+        let ports = any.inputs().iter().chain(any.outputs());
+        builder.template(Template {
+            module: any.name().to_string(),
+            doc: doc.to_string(),
+            text: verilog::print_module(&any, &[])?,
+            parameters: vec![("Width", tag_width)],
+            ports: ports.map(|port| (port.name.clone(), vec![port.name.clone()])).collect(),
+        });
+    }
+    connected(builder, parts, tag_width)
+}
+
+fn connected(m: Builder, parts: &[Arc<Module>], tag_width: u32) -> Result<Arc<Module>, Error> {
     let mut valid = m.input("valid_i", 1);
     let ready = m.input("ready_i", 1);
     let operands = parts.first().map_or_else(Vec::new, |first| first.inputs().to_vec());

@@ -54,6 +54,13 @@ impl Builder {
                 Some(_) => Signal(a),
                 None => kept(Driver::Equal(a, b)),
             },
+            Driver::Equal(a, b) | Driver::Less(a, b) if self.width_of(a) == self.width_of(b) => {
+                let is_less = matches!(driver, Driver::Less(..));
+                match (self.constant_of(a), self.constant_of(b)) {
+                    (Some(a), Some(b)) => kept(Driver::Constant(u64::from(if is_less { a < b } else { a == b }))),
+                    _ => kept(driver),
+                }
+            }
             Driver::Slice { source, low } => match self.driver_of(source) {
                 Driver::Constant(value) => kept(Driver::Constant(value >> low & ones)),
                 _ => kept(Driver::Slice { source, low }),

@@ -2,7 +2,7 @@
 
 use super::{Builder, Register, Wire};
 use crate::netlist::{Label, Module};
-use crate::text::{Bank, EnumeratedInput, Package, PortGroup};
+use crate::text::{Bank, EnumeratedInput, Package, PortGroup, Template};
 use std::sync::Arc;
 
 impl Builder {
@@ -65,6 +65,16 @@ impl Builder {
     /// Prints words of [`PAYLOAD`](crate::text::PAYLOAD) bits as words of a parameter's width.
     pub fn parameterise_width(&self) {
         self.state.borrow_mut().module.text.has_width_parameter = true;
+    }
+
+    /// Ports whose names begin so follow each other under a comment, in this order.
+    pub fn channel(&self, prefix: &str, comment: &str) {
+        self.state.borrow_mut().module.text.channels.push((prefix.to_string(), comment.to_string()));
+    }
+
+    /// Instances of the module have this text.
+    pub fn template(&self, template: Template) {
+        self.state.borrow_mut().module.text.template = Some(template);
     }
 
     /// The value of a label, under its name.

@@ -55,6 +55,12 @@ impl<'m> Wire<'m> {
         wire
     }
 
+    /// Says what the value is: its name in the text, where an expression without a name needs one.
+    pub fn hint(self, name: &str) {
+        let mut state = self.builder.state.borrow_mut();
+        state.module.signals[self.id.index()].hint.get_or_insert_with(|| name.to_string());
+    }
+
     /// Adds a remark, which the text has beside the signal.
     pub fn comment(self, remark: impl Into<String>) -> Self {
         self.builder.state.borrow_mut().module.signals[self.id.index()].comment = Some(remark.into());

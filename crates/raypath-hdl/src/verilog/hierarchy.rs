@@ -18,8 +18,8 @@ pub struct Source {
 }
 
 /// The text of `top` and everything that it needs, in the order of compilation: the package, [`RAM`] if there is a
-/// memory, [`CLOCK_GATE`] if there is one, then modules, those that are instantiated before those that instantiate
-/// them. Each begins with the lines of `banner`.
+/// memory, [`CLOCK_GATE`] if there is one, then modules and [templates](crate::text::Template), those that are
+/// instantiated before those that instantiate them. Each begins with the lines of `banner`.
 ///
 /// # Errors
 /// Different modules or packages of one name, or a module with the name of one of these cells.
@@ -46,7 +46,19 @@ pub fn sources(top: &Arc<Module>, banner: &[String]) -> Result<Vec<Source>, Erro
         sources.push(Source { name: name.to_string(), text: head(&banner[1..], &[doc.to_string()]) + text });
     }
     for module in &found.order {
-        sources.push(Source { name: module.name().to_string(), text: print_module(module, &banner)? });
+        let template = module.text().template.as_ref().filter(|_| !Arc::ptr_eq(module, top));
+        let source = match template {
+            None => Source { name: module.name().to_string(), text: print_module(module, &banner)? },
+            Some(template) => {
+                let text = head(&banner[1..], std::slice::from_ref(&template.doc)) + &template.text;
+                Source { name: template.module.clone(), text }
+            }
+        };
+        match sources.iter().find(|other| other.name == source.name) {
+            None => sources.push(source),
+            Some(other) if *other == source => {}
+            Some(_) => return Err(two_of_a_name(&source.name)),
+        }
     }
     Ok(sources)
 }

@@ -227,8 +227,8 @@ impl<'m> Plan<'m> {
                 Rendering::Inline(expression)
             } else {
                 assigned.push((owner.section, owner.entry, id));
-                Rendering::Name(match owner.role {
-                    Some(role) => fresh(names, &role),
+                Rendering::Name(match owner.role.as_ref().or(self.module.signal(id).hint.as_ref()) {
+                    Some(name) => fresh(names, name),
                     None => numbered(names, &owner.whole),
                 })
             };

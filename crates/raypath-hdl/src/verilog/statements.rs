@@ -6,7 +6,7 @@ use super::gate::CLOCK_GATE;
 use super::layout::{COLUMNS, fill, table, wrap};
 use super::plan::Plan;
 use super::ram::RAM;
-use crate::netlist::{Arm, Driver, Instance, Module, SignalId, gate_instance, gated_clock};
+use crate::netlist::{Arm, Column, Driver, Instance, Module, SignalId, gate_instance, gated_clock};
 use crate::text::{Bank, PortGroup};
 use std::collections::HashMap;
 
@@ -166,6 +166,17 @@ fn instance(plan: &Plan<'_>, index: usize) -> Vec<String> {
     let instance = &plan.module().instances()[index];
     let inside = &instance.module;
     let mut connections = Connections::new(inside);
+    if let Some(template) = &inside.text().template {
+        let ports = inside.inputs().iter().zip(&instance.inputs).chain(inside.outputs().iter().zip(&instance.outputs));
+        let nets: HashMap<&str, SignalId> = ports.map(|(port, &id)| (port.name.as_str(), id)).collect();
+        for (port, members) in &template.ports {
+            let ids = members.iter().filter_map(|member| nets.get(member.as_str()).copied());
+            connections.add(port, &joined(plan, &ids.collect::<Vec<_>>()));
+        }
+        let values = template.parameters.iter().map(|(name, value)| format!(".{name} ({value})"));
+        let values = values.collect::<Vec<_>>().join(", ");
+        return connections.print(&format!("{} #({values}) {}", template.module, instance.name));
+    }
     let (input, output) = (inside.text().input.as_ref(), inside.text().output());
     let inputs = inside.inputs().iter().zip(&instance.inputs).map(|(port, id)| (port, id, input));
     let outputs = inside.outputs().iter().zip(&instance.outputs).map(|(port, id)| (port, id, output));
@@ -218,20 +229,25 @@ fn bank_instance(plan: &Plan<'_>, bank: &Bank) -> Vec<String> {
     connections.print(&format!("{} #(.Width ($bits({next}))) {}", bank.module.name(), bank.name))
 }
 
+/// Signals as one net.
+fn joined(plan: &Plan<'_>, ids: &[SignalId]) -> String {
+    match ids {
+        [one] => plan.read(*one).to_string(),
+        _ => format!("{{{}}}", ids.iter().map(|&id| plan.read(id)).collect::<Vec<_>>().join(", ")),
+    }
+}
+
 /// The instance of a memory.
 fn memory(plan: &Plan<'_>, index: usize) -> Vec<String> {
     let memory = &plan.module().memories()[index];
-    let joined = |ids: Vec<SignalId>| match ids.as_slice() {
-        [one] => plan.read(*one).to_string(),
-        _ => format!("{{{}}}", ids.iter().map(|&id| plan.read(id)).collect::<Vec<_>>().join(", ")),
-    };
+    let joined = |of: fn(&Column) -> SignalId| joined(plan, &memory.columns.iter().map(of).collect::<Vec<_>>());
     let mut connections = Connections { items: vec![".clk_i".to_string()] };
     connections.add("write_enable_i", plan.read(memory.write_enable));
     connections.add("write_address_i", plan.read(memory.write_address));
-    connections.add("write_data_i", &joined(memory.columns.iter().map(|column| column.written).collect()));
+    connections.add("write_data_i", &joined(|column| column.written));
     connections.add("read_enable_i", plan.read(memory.read_enable));
     connections.add("read_address_i", plan.read(memory.read_address));
-    connections.add("read_data_o", &joined(memory.columns.iter().map(|column| column.read).collect()));
+    connections.add("read_data_o", &joined(|column| column.read));
     let width: u32 = memory.columns.iter().map(|column| plan.module().signal(column.read).width).sum();
     connections.print(&format!("{RAM} #(.Depth ({}), .Width ({width})) {}", memory.depth, memory.name))
 }

@@ -1,6 +1,7 @@
 //! The unit with an AXI4 read master as its memory port.
 
 use super::blocks::data_words;
+use super::channels::CHANNELS;
 use super::connect::Inputs;
 use super::top::UnitNetlist;
 use raypath_hdl::{Builder, Error, Module};
@@ -33,6 +34,9 @@ impl UnitNetlist {
         m.doc("raypath_unit with an AXI4 read master as its memory port.");
         m.doc(format!("A block is a burst of {beats} beats of {beat_bytes} bytes; its id is the context, {tag} bits."));
 
+        let of_axi =
+            [("m_axi_ar", "The AXI4 channel of read addresses."), ("m_axi_r", "The AXI4 channel of read data.")];
+        CHANNELS.iter().chain(&of_axi).for_each(|(prefix, comment)| m.channel(prefix, comment));
         let mut inputs = Inputs::default();
         for port in unit.inputs().iter().filter(|port| !port.name.starts_with(MEMORY)) {
             inputs = inputs.port(port.stem(), m.input(&port.name, unit.signal(port.signal).width));

@@ -1,8 +1,10 @@
 //! The blocks that the memory returns.
 
+use super::connect::Inputs;
 use super::issue::triangle_words;
 use super::parameters::UnitParameters;
 use super::queue::bits;
+use super::registers::registers;
 use crate::blocks::NodeKind;
 use crate::step::StepParameters;
 use raypath_hdl::text::PortGroup;
@@ -47,7 +49,7 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let (beat, failed) = if beats == 1 {
         (None, error)
     } else {
-        let (beat, failed) = progress(m, contexts, beats, [valid, context, error]);
+        let (beat, failed) = progress(m, contexts, beats, [valid, context, error])?;
         (Some(beat), failed)
     };
     let is_beat = |number: u32| beat.map_or(valid, |beat| valid & beat.is(number.into()));
@@ -139,35 +141,18 @@ fn progress<'m>(
     contexts: u32,
     beats: u32,
     [valid, context, error]: [Wire<'m>; 3],
-) -> (Wire<'m>, Wire<'m>) {
+) -> Result<(Wire<'m>, Wire<'m>), Error> {
     let width = bits(beats);
-    let registers: Vec<_> = (0..contexts)
-        .map(|number| {
-            let beat = m.register(&format!("beat_{number}_q"), width).reset_to(0);
-            let failed = m.register(&format!("failed_{number}_q"), 1).reset_to(0);
-            (beat, failed)
-        })
-        .collect();
-    let of_context = |values: Vec<Wire<'m>>| select(context, &values);
-    let beat = of_context(registers.iter().map(|(beat, _)| beat.wire()).collect()).named("beat");
-    let failed = (of_context(registers.iter().map(|(_, failed)| failed.wire()).collect()) | error).named("failed");
-    let is_last = beat.is(u64::from(beats) - 1);
-    let next_beat = beat + m.constant(width, 1);
-    for (number, (beat, has_failed)) in registers.into_iter().enumerate() {
-        let is_here = valid & context.is(number as u64);
-        beat.next_when(is_here, next_beat);
-        has_failed.next_when(is_here, failed & !is_last);
-    }
-    (beat, failed)
-}
-
-/// The value of this number, by a tree of multiplexers.
-fn select<'m>(number: Wire<'m>, values: &[Wire<'m>]) -> Wire<'m> {
-    let mut layer = values.to_vec();
-    for bit in 0..number.width() {
-        let pairs = layer.chunks(2);
-        layer =
-            pairs.map(|pair| if let [low, high] = pair { number.bit(bit).mux(*high, *low) } else { pair[0] }).collect();
-    }
-    layer[0]
+    let (next_beat, next_failed) = (m.forward("next_beat", width), m.forward("next_failed", 1));
+    let kept = Inputs::default()
+        .port("write_enable", valid)
+        .port("address", context)
+        .port("beat", next_beat.wire())
+        .port("failed", next_failed.wire())
+        .place(m, "u_progress", &registers("raypath_unit_progress", contexts, &[("beat", width), ("failed", 1)])?);
+    let beat = kept.port("beat");
+    let failed = (kept.port("failed") | error).named("failed");
+    next_beat.drive(beat + m.constant(width, 1));
+    next_failed.drive(failed & !beat.is(u64::from(beats) - 1));
+    Ok((beat, failed))
 }

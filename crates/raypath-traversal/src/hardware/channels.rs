@@ -10,6 +10,19 @@ use crate::set_up::Entry;
 use crate::step::StepParameters;
 use raypath_hdl::{Builder, Forward, Wire};
 
+/// The ports of the unit that belong together, by the beginning of their names.
+pub const CHANNELS: [(&str, &str); 4] = [
+    ("ray_", "A ray enters where valid and ready are 1."),
+    ("hit_", "The hit of a ray that has ended, in the order of the ends; it stays until ready is 1."),
+    ("cand_", "A candidate, about which the user decides; its tag tells the ray."),
+    ("answer_", "The verdict on the candidate with this tag, in any order, after any time."),
+];
+/// Those of the memory's channels.
+pub const OF_MEMORY: [(&str, &str); 2] = [
+    ("mem_req_", "The request of a block: it stays until ready is 1; a tag has one request at a time."),
+    ("mem_rsp_", "A beat of a block, those of a tag in order of addresses; ready is always 1."),
+];
+
 /// The inputs of the unit, by channel.
 pub struct Ports<'m> {
     /// A ray: whether there is one, and its fields besides those of the entry.

@@ -1,5 +1,6 @@
 //! A queue in a memory.
 
+use raypath_hdl::text::Template;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
@@ -31,7 +32,36 @@ pub fn queue(name: &str, depth: u32, columns: &[(&str, u32)]) -> Result<Arc<Modu
 
     m.output("valid_o", valid.wire());
     columns.iter().zip(words).for_each(|((column, _), word)| m.output(&format!("{column}_o"), word));
+    let text = include_str!("raypath_queue.sv");
+    let doc = "A queue of words in a memory and one at the output, until `pop_i` takes it. A word is at the output of an \
+               empty queue two cycles after it entered. There is no port that says that the queue is full: its owner has \
+               at most Depth words.";
+    m.template(template("raypath_queue", doc, text, depth, columns, &["push_i", "pop_i"], &["valid_o"]));
     builder.finish()
+}
+
+/// The text of modules with words of these columns, at `data_i` and `data_o`, and with other ports.
+pub fn template(
+    module: &str,
+    doc: &str,
+    text: &str,
+    depth: u32,
+    columns: &[(&str, u32)],
+    inputs: &[&str],
+    outputs: &[&str],
+) -> Template {
+    let words = |suffix: &str| columns.iter().map(|(column, _)| format!("{column}_{suffix}")).collect::<Vec<_>>();
+    let alone = |port: &&str| (port.to_string(), vec![port.to_string()]);
+    let data_i = ("data_i".to_string(), words("i"));
+    let ports = inputs.iter().map(alone).chain([data_i]).chain(outputs.iter().map(alone));
+    let width = columns.iter().map(|(_, width)| width).sum();
+    Template {
+        module: module.to_string(),
+        doc: doc.to_string(),
+        text: text.to_string(),
+        parameters: vec![("Depth", depth), ("Width", width)],
+        ports: ports.chain([("data_o".to_string(), words("o"))]).collect(),
+    }
 }
 
 /// The number after one of 0 to `count` - 1, in a circle.

@@ -2,7 +2,7 @@
 
 use super::blocks::blocks;
 use super::candidates::{candidates, is_of_candidate};
-use super::channels::{Backwards, Ports};
+use super::channels::{Backwards, CHANNELS, OF_MEMORY, Ports};
 use super::connect::{Inputs, Named, Outputs, keep, named, prefixed};
 use super::decoder::{decoder, words};
 use super::distance::distance;
@@ -116,6 +116,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let m = &builder;
     m.doc("A ray goes in, the closest or any hit comes out.");
     m.doc(format!("{parameters}."));
+    CHANNELS.iter().chain(&OF_MEMORY).for_each(|(prefix, comment)| m.channel(prefix, comment));
     let ports = Ports::new(m, parameters);
     let top = Top { m, parameters, width: bits(parameters.contexts), back: Backwards::new(m, parameters) };
 

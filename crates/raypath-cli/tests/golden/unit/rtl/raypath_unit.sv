@@ -10,6 +10,7 @@
 module raypath_unit (
   input  logic         clk_i,
   input  logic         rst_ni,
+  // A ray enters where valid and ready are 1.
   input  logic         ray_valid_i,
   input  logic [15:0]  ray_id_i,
   input  logic [9:0]   ray_flags_i,
@@ -22,13 +23,9 @@ module raypath_unit (
   input  logic [31:0]  ray_dir_z_i,
   input  logic [31:0]  ray_tmin_i,
   input  logic [31:0]  ray_tmax_i,
-  input  logic         hit_ready_i,
-  input  logic         mem_req_ready_i,
-  input  logic         mem_rsp_valid_i,
-  input  logic [5:0]   mem_rsp_tag_i,
-  input  logic         mem_rsp_error_i,
-  input  logic [511:0] mem_rsp_data_i,
   output logic         ray_ready_o,
+  // The hit of a ray that has ended, in the order of the ends; it stays until ready is 1.
+  input  logic         hit_ready_i,
   output logic         hit_valid_o,
   output logic [15:0]  hit_id_o,
   output logic [2:0]   hit_status_o,
@@ -39,9 +36,16 @@ module raypath_unit (
   output logic         hit_back_face_o,
   output logic [31:0]  hit_nodes_o,
   output logic [31:0]  hit_triangles_o,
+  // The request of a block: it stays until ready is 1; a tag has one request at a time.
+  input  logic         mem_req_ready_i,
   output logic         mem_req_valid_o,
   output logic [31:0]  mem_req_addr_o,
   output logic [5:0]   mem_req_tag_o,
+  // A beat of a block, those of a tag in order of addresses; ready is always 1.
+  input  logic         mem_rsp_valid_i,
+  input  logic [5:0]   mem_rsp_tag_i,
+  input  logic         mem_rsp_error_i,
+  input  logic [511:0] mem_rsp_data_i,
   output logic         mem_rsp_ready_o
 );
 
@@ -369,10 +373,10 @@ module raypath_unit (
   // ---- Requests to the memory, and hits -------------------------------------
   logic [24:0] requests_block;
 
-  raypath_unit_requests u_requests (
-    .clk_i, .rst_ni, .push_i (walk_fetches), .context_i (walk_context), .block_i (walk_block),
-    .pop_i (mem_req_ready_i), .valid_o (mem_req_valid_o), .context_o (mem_req_tag_o),
-    .block_o (requests_block)
+  raypath_queue #(.Depth (64), .Width (31)) u_requests (
+    .clk_i, .rst_ni, .push_i (walk_fetches), .pop_i (mem_req_ready_i),
+    .data_i ({walk_context, walk_block}), .valid_o (mem_req_valid_o),
+    .data_o ({mem_req_tag_o, requests_block})
   );
 
   raypath_unit_hits u_hits (

@@ -10,6 +10,7 @@
 module raypath_unit_axi (
   input  logic         clk_i,
   input  logic         rst_ni,
+  // A ray enters where valid and ready are 1.
   input  logic         ray_valid_i,
   input  logic [15:0]  ray_id_i,
   input  logic [9:0]   ray_flags_i,
@@ -22,14 +23,9 @@ module raypath_unit_axi (
   input  logic [31:0]  ray_dir_z_i,
   input  logic [31:0]  ray_tmin_i,
   input  logic [31:0]  ray_tmax_i,
-  input  logic         hit_ready_i,
-  input  logic         m_axi_arready,
-  input  logic [5:0]   m_axi_rid,
-  input  logic [511:0] m_axi_rdata,
-  input  logic [1:0]   m_axi_rresp,
-  input  logic         m_axi_rlast,
-  input  logic         m_axi_rvalid,
   output logic         ray_ready_o,
+  // The hit of a ray that has ended, in the order of the ends; it stays until ready is 1.
+  input  logic         hit_ready_i,
   output logic         hit_valid_o,
   output logic [15:0]  hit_id_o,
   output logic [2:0]   hit_status_o,
@@ -40,6 +36,8 @@ module raypath_unit_axi (
   output logic         hit_back_face_o,
   output logic [31:0]  hit_nodes_o,
   output logic [31:0]  hit_triangles_o,
+  // The AXI4 channel of read addresses.
+  input  logic         m_axi_arready,
   output logic [5:0]   m_axi_arid,
   output logic [31:0]  m_axi_araddr,
   output logic [7:0]   m_axi_arlen,
@@ -50,6 +48,12 @@ module raypath_unit_axi (
   output logic [2:0]   m_axi_arprot,
   output logic [3:0]   m_axi_arqos,
   output logic         m_axi_arvalid,
+  // The AXI4 channel of read data.
+  input  logic [5:0]   m_axi_rid,
+  input  logic [511:0] m_axi_rdata,
+  input  logic [1:0]   m_axi_rresp,
+  input  logic         m_axi_rlast,
+  input  logic         m_axi_rvalid,
   output logic         m_axi_rready
 );
 

@@ -24,9 +24,9 @@ module raypath_unit_contexts (
 
   assign is_last = take_i & (fresh_q == 6'd63);
 
-  raypath_unit_free u_free (
-    .clk_i, .rst_ni, .push_i (release_i), .context_i (released_i), .pop_i (take_i & ~has_fresh_q),
-    .valid_o (free_valid), .context_o (free_context)
+  raypath_queue #(.Depth (64), .Width (6)) u_free (
+    .clk_i, .rst_ni, .push_i (release_i), .pop_i (take_i & ~has_fresh_q), .data_i (released_i),
+    .valid_o (free_valid), .data_o (free_context)
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin

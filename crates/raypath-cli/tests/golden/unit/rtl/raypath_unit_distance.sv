@@ -69,7 +69,7 @@ module raypath_unit_distance (
     .ieee_i (t_denom_i), .recoded_o (encode_divisor_recoded)
   );
 
-  raypath_div_pipelined_e8s24_l11_t11 u_divider (
+  raypath_div_pipelined_e8s24_l11_tagged #(.Width (11)) u_divider (
     .clk_i, .rst_ni, .valid_i (has_operands_q), .ready_i (moves), .a_i (dividend_q),
     .b_i (divisor_q), .tag_i (operands_tag_q), .ready_o (divider_ready), .valid_o (divider_valid),
     .result_o (divider_result), .tag_o (divider_tag)
@@ -137,13 +137,13 @@ module raypath_unit_distance (
   logic        closest_is_hit_t2;
   logic        closest_is_hit_t3;
   logic        closest_is_hit_t4;
-  logic        closest_is_hit_t5;
-  logic        closest_is_hit_t6;
+  logic        counts;
+  logic        has_before;
   logic        closest_t_t2;
   logic        closest_t_t3;
   logic        closest_t_t4;
+  logic        is_better;
   logic        closest_t_t5;
-  logic        closest_t_t6;
   logic [5:0]  context_q;
 
   assign closest_t_t1      = tag_q[4] ? index_2_i : (tag_q[3] ? index_1_i : index_0_i);
@@ -154,26 +154,26 @@ module raypath_unit_distance (
       limits_t_min_i[30:0] < t_q[30:0] : t_q[30:0] < limits_t_min_i[30:0]);
   assign closest_is_hit_t4 = ~((31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < limits_t_min_i[30:0]))
       & ~closest_is_hit_t2 & ~(closest_is_hit_t3 & ~closest_is_hit_t2);
-  assign closest_is_hit_t5 = tag_q[1] & ~(tag_q[0] ? limits_culls_clockwise_i :
+  assign counts            = tag_q[1] & ~(tag_q[0] ? limits_culls_clockwise_i :
       limits_culls_counter_clockwise_i) & closest_is_hit_t4;
-  assign closest_is_hit_t6 = ~closest_is_hit_t1 & closest_is_hit_q;
+  assign has_before        = ~closest_is_hit_t1 & closest_is_hit_q;
   assign closest_t_t2      = (31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < closest_t_q[30:0]);
   assign closest_t_t3      = (t_q == closest_t_q) | ((t_q[30:0] == 31'd0) & (closest_t_q[30:0] ==
       31'd0));
   assign closest_t_t4      = ((t_q[31] ^ closest_t_q[31]) ? t_q[31] : (t_q[31] ? closest_t_q[30:0] <
       t_q[30:0] : t_q[30:0] < closest_t_q[30:0])) & ~closest_t_t3;
-  assign closest_t_t5      = ~closest_is_hit_t6 | (~closest_t_t2 & closest_t_t4) | (~closest_t_t2 &
-      closest_t_t3 & (closest_t_t1 < closest_primitive_q));
-  assign closest_t_t6      = (closest_is_hit_t5 & closest_t_t5) | closest_is_hit_t1;
+  assign is_better         = counts & (~has_before | (~closest_t_t2 & closest_t_t4) | (~closest_t_t2
+      & closest_t_t3 & (closest_t_t1 < closest_primitive_q)));
+  assign closest_t_t5      = is_better | closest_is_hit_t1;
 
   always_ff @(posedge clk_i) begin
     if (folds) begin
-      closest_is_hit_q       <= closest_is_hit_t5 | closest_is_hit_t6;
-      closest_t_q            <= closest_t_t6 ? t_q : closest_t_q;
-      closest_t_num_q        <= closest_t_t6 ? fractions_t_num : closest_t_num_q;
-      closest_t_denom_q      <= closest_t_t6 ? fractions_t_denom : closest_t_denom_q;
-      closest_is_clockwise_q <= closest_t_t6 ? tag_q[0] : closest_is_clockwise_q;
-      closest_primitive_q    <= closest_t_t6 ? closest_t_t1 : closest_primitive_q;
+      closest_is_hit_q       <= counts | has_before;
+      closest_t_q            <= closest_t_t5 ? t_q : closest_t_q;
+      closest_t_num_q        <= closest_t_t5 ? fractions_t_num : closest_t_num_q;
+      closest_t_denom_q      <= closest_t_t5 ? fractions_t_denom : closest_t_denom_q;
+      closest_is_clockwise_q <= closest_t_t5 ? tag_q[0] : closest_is_clockwise_q;
+      closest_primitive_q    <= closest_t_t5 ? closest_t_t1 : closest_primitive_q;
       context_q              <= tag_q[10:5];
     end
   end

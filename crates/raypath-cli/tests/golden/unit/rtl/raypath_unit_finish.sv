@@ -99,39 +99,38 @@ module raypath_unit_finish (
   logic        next_nodes_t1;
   logic        next_nodes_t2;
   logic        next_nodes_t3;
-  logic        next_nodes_t4;
-  logic        next_nodes_t5;
-  logic        next_nodes_t6;
-  logic        next_pending_low_t1;
-  logic        next_nodes_t7;
-  logic        next_nodes_t8;
-  logic        next_nodes_t9;
-  logic [31:0] next_nodes_t10;
-  logic [6:0]  next_nodes_t11;
+  logic        is_near;
+  logic        is_read;
+  logic        takes;
+  logic        drops;
+  logic        restarts;
+  logic        at_root;
+  logic        visits;
+  logic [31:0] child;
+  logic [6:0]  level;
   logic        next_triangles_t1;
   logic        request_kind_t1;
-  logic        next_nodes_t12;
-  logic        next_nodes_t13;
-  logic        next_triangles_t2;
-  logic [3:0]  next_triangles_t3;
-  logic [1:0]  next_triangles_t4;
+  logic        next_nodes_t4;
+  logic        fetches_node;
+  logic        fetches_leaf;
+  logic [3:0]  left;
+  logic [1:0]  count;
   logic [31:0] next_leaf_address_t1;
   logic        request_kind_t2;
   logic        request_kind_t3;
-  logic        request_kind_t4;
+  logic        next_pending_low_t1;
   logic        next_pending_low_t2;
-  logic        next_pending_low_t3;
   logic        next_base_t1;
-  logic        next_pending_low_t4;
+  logic        next_pending_low_t3;
+  logic [31:0] next_pending_low_t4;
   logic [31:0] next_pending_low_t5;
-  logic [31:0] next_pending_low_t6;
   logic [31:0] next_pending_high_t1;
-  logic        next_pending_low_t7;
+  logic        next_pending_low_t6;
   logic [31:0] next_place_low_low_t1;
   logic [31:0] next_place_low_low_t2;
   logic [31:0] next_place_low_high_t1;
   logic [6:0]  next_base_t2;
-  logic [31:0] next_pending_low_t8;
+  logic [31:0] next_pending_low_t7;
   logic [2:0]  request_status_t1;
 
   assign next_any_hit_o          = half_state_any_hit_i;
@@ -149,51 +148,50 @@ module raypath_unit_finish (
   assign next_nodes_t3           = (top_tmin_0_i[31] ^ half_state_extent_i[31]) ? top_tmin_0_i[31] :
       (top_tmin_0_i[31] ? half_state_extent_i[30:0] < top_tmin_0_i[30:0] : top_tmin_0_i[30:0] <
       half_state_extent_i[30:0]);
-  assign next_nodes_t4           = top_present_i[0] & ((~next_nodes_t1 & next_nodes_t3 &
+  assign is_near                 = top_present_i[0] & ((~next_nodes_t1 & next_nodes_t3 &
       ~next_nodes_t2) | (~next_nodes_t1 & next_nodes_t2));
-  assign next_nodes_t5           = half_pops_i & ~half_is_empty_i & half_is_on_stack_i;
-  assign next_nodes_t6           = next_nodes_t5 & next_nodes_t4;
-  assign next_nodes_t7           = half_pops_i & ~half_is_empty_i & ~half_is_on_stack_i;
-  assign next_nodes_t8           = half_starts_i | next_nodes_t7;
-  assign next_nodes_t9           = next_nodes_t8 | half_descends_i | next_nodes_t6;
-  assign next_nodes_t10          = next_nodes_t8 ? half_state_root_i : (half_descends_i ?
-      half_child_i : top_child_0_i);
-  assign next_nodes_t11          = next_nodes_t8 ? 7'd0 : half_parent_i + 7'd1;
-  assign next_nodes_t12          = (next_nodes_t11 < 7'd64) & (next_nodes_t10[6:0] == 7'd32);
-  assign next_nodes_t13          = next_nodes_t9 & next_nodes_t12;
-  assign next_nodes_o            = next_nodes_t13 ? half_state_nodes_i + 32'd1 : half_state_nodes_i;
-  assign next_triangles_t1       = (next_nodes_t10[6:0] != 7'd0) & (next_nodes_t10[6:0] < 7'd9);
-  assign next_triangles_t2       = (next_nodes_t9 & next_triangles_t1) | half_leaf_continues_i;
-  assign next_triangles_t3       = half_leaf_continues_i ? half_state_leaf_left_i :
-      next_nodes_t10[3:0];
-  assign next_triangles_t4       = (next_triangles_t3 < 4'd3) ? next_triangles_t3[1:0] : 2'd3;
-  assign next_triangles_o        = next_triangles_t2 ? half_state_triangles_i + {30'd0,
-      next_triangles_t4} : half_state_triangles_i;
-  assign next_level_o            = next_nodes_t9 ? next_nodes_t11 : half_state_level_i;
-  assign next_pending_low_t1     = next_nodes_t5 & ~next_nodes_t4;
-  assign next_pending_low_t2     = half_descends_i ? half_rest_present_i[0] : top_present_i[1];
-  assign next_pending_low_t3     = half_descends_i | next_nodes_t6;
-  assign next_pending_low_t4     = next_pending_low_t3 | next_pending_low_t1;
-  assign next_pending_low_t5     = 32'd1 << half_parent_i[4:0];
-  assign next_pending_low_t6     = (next_pending_low_t4 & ~half_parent_i[5]) ? next_pending_low_t5 :
+  assign is_read                 = half_pops_i & ~half_is_empty_i & half_is_on_stack_i;
+  assign takes                   = is_read & is_near;
+  assign restarts                = half_pops_i & ~half_is_empty_i & ~half_is_on_stack_i;
+  assign at_root                 = half_starts_i | restarts;
+  assign visits                  = at_root | half_descends_i | takes;
+  assign child                   = at_root ? half_state_root_i : (half_descends_i ? half_child_i :
+      top_child_0_i);
+  assign level                   = at_root ? 7'd0 : half_parent_i + 7'd1;
+  assign next_nodes_t4           = (level < 7'd64) & (child[6:0] == 7'd32);
+  assign fetches_node            = visits & next_nodes_t4;
+  assign next_nodes_o            = fetches_node ? half_state_nodes_i + 32'd1 : half_state_nodes_i;
+  assign next_triangles_t1       = (child[6:0] != 7'd0) & (child[6:0] < 7'd9);
+  assign fetches_leaf            = (visits & next_triangles_t1) | half_leaf_continues_i;
+  assign left                    = half_leaf_continues_i ? half_state_leaf_left_i : child[3:0];
+  assign count                   = (left < 4'd3) ? left[1:0] : 2'd3;
+  assign next_triangles_o        = fetches_leaf ? half_state_triangles_i + {30'd0, count} :
+      half_state_triangles_i;
+  assign next_level_o            = visits ? level : half_state_level_i;
+  assign drops                   = is_read & ~is_near;
+  assign next_pending_low_t1     = half_descends_i ? half_rest_present_i[0] : top_present_i[1];
+  assign next_pending_low_t2     = half_descends_i | takes;
+  assign next_pending_low_t3     = next_pending_low_t2 | drops;
+  assign next_pending_low_t4     = 32'd1 << half_parent_i[4:0];
+  assign next_pending_low_t5     = (next_pending_low_t3 & ~half_parent_i[5]) ? next_pending_low_t4 :
       32'd0;
-  assign next_pending_low_t7     = next_pending_low_t2 & ~next_pending_low_t1;
-  assign next_pending_low_t8     = (32'd1 << half_state_level_i[4:0]) + 32'hffff_ffff;
+  assign next_pending_low_t6     = next_pending_low_t1 & ~drops;
+  assign next_pending_low_t7     = (32'd1 << half_state_level_i[4:0]) + 32'hffff_ffff;
   assign next_pending_low_o      = half_is_lost_i ? (half_state_level_i[5] ?
-      half_state_pending_low_i : half_state_pending_low_i & next_pending_low_t8) :
-      (half_state_pending_low_i & ~next_pending_low_t6) | (next_pending_low_t7 ? next_pending_low_t6
+      half_state_pending_low_i : half_state_pending_low_i & next_pending_low_t7) :
+      (half_state_pending_low_i & ~next_pending_low_t5) | (next_pending_low_t6 ? next_pending_low_t5
       : 32'd0);
-  assign next_pending_high_t1    = (next_pending_low_t4 & half_parent_i[5]) ? next_pending_low_t5 :
+  assign next_pending_high_t1    = (next_pending_low_t3 & half_parent_i[5]) ? next_pending_low_t4 :
       32'd0;
   assign next_pending_high_o     = half_is_lost_i ? (half_state_level_i[5] ?
-      half_state_pending_high_i & next_pending_low_t8 : 32'd0) : (half_state_pending_high_i &
-      ~next_pending_high_t1) | (next_pending_low_t7 ? next_pending_high_t1 : 32'd0);
+      half_state_pending_high_i & next_pending_low_t7 : 32'd0) : (half_state_pending_high_i &
+      ~next_pending_high_t1) | (next_pending_low_t6 ? next_pending_high_t1 : 32'd0);
   assign next_place_low_low_t1   = 32'd1 << half_parent_i[4:0];
-  assign next_place_low_low_t2   = (next_pending_low_t3 & ~half_parent_i[5]) ? next_place_low_low_t1
+  assign next_place_low_low_t2   = (next_pending_low_t2 & ~half_parent_i[5]) ? next_place_low_low_t1
       : 32'd0;
   assign next_place_low_low_o    = (half_state_place_low_low_i & ~next_place_low_low_t2) |
       (half_place_i[0] ? next_place_low_low_t2 : 32'd0);
-  assign next_place_low_high_t1  = (next_pending_low_t3 & half_parent_i[5]) ? next_place_low_low_t1
+  assign next_place_low_high_t1  = (next_pending_low_t2 & half_parent_i[5]) ? next_place_low_low_t1
       : 32'd0;
   assign next_place_low_high_o   = (half_state_place_low_high_i & ~next_place_low_high_t1) |
       (half_place_i[0] ? next_place_low_high_t1 : 32'd0);
@@ -201,32 +199,28 @@ module raypath_unit_finish (
       (half_place_i[1] ? next_place_low_low_t2 : 32'd0);
   assign next_place_high_high_o  = (half_state_place_high_high_i & ~next_place_low_high_t1) |
       (half_place_i[1] ? next_place_low_high_t1 : 32'd0);
-  assign next_base_t1            = next_pending_low_t3 & next_pending_low_t2;
+  assign next_base_t1            = next_pending_low_t2 & next_pending_low_t1;
   assign next_base_t2            = (half_parent_i < 7'd8) ? 7'd0 : half_parent_i + 7'd121;
-  assign next_base_o             = next_nodes_t7 ? 7'd0 : ((next_base_t1 & (half_state_base_i <
+  assign next_base_o             = restarts ? 7'd0 : ((next_base_t1 & (half_state_base_i <
       next_base_t2)) ? next_base_t2 : half_state_base_i);
-  assign next_restarting_o       = next_nodes_t7 | half_state_restarting_i;
-  assign next_target_o           = next_nodes_t7 ? half_deepest_i : half_state_target_i;
-  assign next_leaf_address_t1    = half_leaf_continues_i ? half_state_leaf_address_i :
-      {next_nodes_t10[31:7], 7'd0};
-  assign next_leaf_address_o     = next_triangles_t2 ? next_leaf_address_t1 :
-      half_state_leaf_address_i;
-  assign next_leaf_left_o        = next_triangles_t2 ? next_triangles_t3 : half_state_leaf_left_i;
-  assign request_kind_t1         = next_nodes_t10 == 32'd0;
-  assign request_kind_t2         = (next_nodes_t13 | next_triangles_t2) & ~((half_state_nodes_i <
-      32'h0100_0000) & (half_state_triangles_i < 32'h0100_0000));
-  assign request_kind_t3         = next_nodes_t9 & ~next_nodes_t12 & ~next_triangles_t1 &
-      ~request_kind_t1;
-  assign request_kind_t4         = half_failed_i | request_kind_t3 | request_kind_t2;
-  assign request_kind_o          = (request_kind_t4 | half_ends_i | (half_pops_i & half_is_empty_i))
-      ? 2'd2 : ((next_pending_low_t1 | half_is_lost_i | (next_nodes_t9 & request_kind_t1)) ? 2'd1 :
-      2'd0);
+  assign next_restarting_o       = restarts | half_state_restarting_i;
+  assign next_target_o           = restarts ? half_deepest_i : half_state_target_i;
+  assign next_leaf_address_t1    = half_leaf_continues_i ? half_state_leaf_address_i : {child[31:7],
+      7'd0};
+  assign next_leaf_address_o     = fetches_leaf ? next_leaf_address_t1 : half_state_leaf_address_i;
+  assign next_leaf_left_o        = fetches_leaf ? left : half_state_leaf_left_i;
+  assign request_kind_t1         = child == 32'd0;
+  assign request_kind_t2         = visits & ~next_nodes_t4 & ~next_triangles_t1 & ~request_kind_t1;
+  assign request_kind_t3         = half_failed_i | request_kind_t2 | ((fetches_node | fetches_leaf)
+      & ~((half_state_nodes_i < 32'h0100_0000) & (half_state_triangles_i < 32'h0100_0000)));
+  assign request_kind_o          = (request_kind_t3 | half_ends_i | (half_pops_i & half_is_empty_i))
+      ? 2'd2 : ((drops | half_is_lost_i | (visits & request_kind_t1)) ? 2'd1 : 2'd0);
   assign request_address_o       = next_leaf_address_t1;
-  assign request_count_o         = next_nodes_t13 ? 2'd0 : next_triangles_t4;
+  assign request_count_o         = fetches_node ? 2'd0 : count;
   assign request_writes_o        = next_base_t1;
   assign request_level_o         = half_parent_i;
   assign request_group_present_o = {half_descends_i & half_rest_present_i[2], half_descends_i ?
-      half_rest_present_i[1] : top_present_i[2], next_pending_low_t2};
+      half_rest_present_i[1] : top_present_i[2], next_pending_low_t1};
   assign request_group_child_0_o = half_descends_i ? half_rest_child_0_i : top_child_1_i;
   assign request_group_child_1_o = half_descends_i ? half_rest_child_1_i : top_child_2_i;
   assign request_group_child_2_o = half_descends_i ? half_rest_child_2_i : top_child_2_i;
@@ -234,8 +228,8 @@ module raypath_unit_finish (
   assign request_group_tmin_1_o  = half_descends_i ? half_rest_tmin_1_i : top_tmin_2_i;
   assign request_group_tmin_2_o  = half_descends_i ? half_rest_tmin_2_i : top_tmin_2_i;
   assign request_status_t1       = half_is_refused_i ? 3'd3 : ((half_failed_i &
-      ~half_cannot_enter_i) ? 3'd4 : ((request_kind_t3 | half_cannot_enter_i) ? 3'd5 : 3'd6));
-  assign request_status_o        = request_kind_t4 ? request_status_t1 : (half_state_has_hit_i ?
+      ~half_cannot_enter_i) ? 3'd4 : ((request_kind_t2 | half_cannot_enter_i) ? 3'd5 : 3'd6));
+  assign request_status_o        = request_kind_t3 ? request_status_t1 : (half_state_has_hit_i ?
       3'd1 : 3'd0);
 
 endmodule : raypath_unit_finish

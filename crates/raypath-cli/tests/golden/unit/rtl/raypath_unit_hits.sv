@@ -50,9 +50,9 @@ module raypath_unit_hits (
   assign is_hit = status_i == 3'd1;
   assign takes  = ended_valid & (~valid_q | ready_i);
 
-  raypath_unit_ended u_ended (
-    .clk_i, .rst_ni, .push_i (ends_i), .context_i, .pop_i (takes), .valid_o (ended_valid),
-    .context_o (ended_context)
+  raypath_queue #(.Depth (64), .Width (6)) u_ended (
+    .clk_i, .rst_ni, .push_i (ends_i), .pop_i (takes), .data_i (context_i), .valid_o (ended_valid),
+    .data_o (ended_context)
   );
 
   raypath_ram_1r1w #(.Depth (64), .Width (196)) u_hits (

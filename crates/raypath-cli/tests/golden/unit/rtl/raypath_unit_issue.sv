@@ -76,10 +76,10 @@ module raypath_unit_issue (
 
   assign take = arrivals_valid & (~busy_q | ends);
 
-  raypath_unit_arrivals u_arrivals (
-    .clk_i, .rst_ni, .push_i (arrived_i), .context_i (arrived_context_i),
-    .failed_i (arrived_failed_i), .pop_i (take), .valid_o (arrivals_valid),
-    .context_o (arrivals_context), .failed_o (arrivals_failed)
+  raypath_queue #(.Depth (64), .Width (7)) u_arrivals (
+    .clk_i, .rst_ni, .push_i (arrived_i), .pop_i (take),
+    .data_i ({arrived_context_i, arrived_failed_i}), .valid_o (arrivals_valid),
+    .data_o ({arrivals_context, arrivals_failed})
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin

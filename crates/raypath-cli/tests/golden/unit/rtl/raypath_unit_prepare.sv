@@ -94,85 +94,72 @@ module raypath_unit_prepare (
   output logic [31:0] half_rest_tmin_2_o
 );
 
-  logic       half_state_restarting_t1;
-  logic       half_state_extent_t1;
-  logic       half_failed_t1;
-  logic       half_state_extent_t2;
-  logic       half_state_extent_t3;
-  logic       half_state_extent_t4;
-  logic       half_state_extent_t5;
-  logic       half_state_extent_t6;
-  logic       half_state_extent_t7;
-  logic       half_state_has_hit_t1;
-  logic       half_leaf_continues_t1;
-  logic       half_leaf_continues_t2;
-  logic       half_state_leaf_address_t1;
-  logic       half_state_leaf_address_t2;
-  logic       half_state_restarting_t2;
-  logic       half_state_restarting_t3;
-  logic       half_state_restarting_t4;
-  logic [2:0] half_state_restarting_t5;
-  logic [2:0] half_state_restarting_t6;
-  logic       half_state_restarting_t7;
-  logic       half_state_restarting_t8;
-  logic [1:0] half_child_t1;
-  logic       half_rest_present_t1;
-  logic       half_rest_present_t2;
-  logic [1:0] half_rest_child_0_t1;
-  logic [1:0] half_rest_child_1_t1;
-  logic       half_state_restarting_t9;
-  logic       half_state_restarting_t10;
-  logic       half_is_on_stack_t1;
-  logic [4:0] half_is_on_stack_t2;
-  logic [4:0] half_is_on_stack_t3;
-  logic [4:0] half_is_on_stack_t4;
-  logic [4:0] half_is_on_stack_t5;
-  logic [4:0] half_is_on_stack_t6;
-  logic [4:0] half_is_on_stack_t7;
-  logic [4:0] half_is_on_stack_t8;
-  logic [4:0] half_is_on_stack_t9;
-  logic [4:0] half_is_on_stack_t10;
-  logic [4:0] half_is_on_stack_t11;
-  logic [4:0] half_is_on_stack_t12;
-  logic [4:0] half_is_on_stack_t13;
-  logic [4:0] half_is_on_stack_t14;
-  logic [4:0] half_is_on_stack_t15;
-  logic [4:0] half_is_on_stack_t16;
-  logic [4:0] half_is_on_stack_t17;
-  logic [4:0] half_is_on_stack_t18;
-  logic [4:0] half_is_on_stack_t19;
-  logic [4:0] half_is_on_stack_t20;
-  logic [4:0] half_is_on_stack_t21;
-  logic [6:0] half_is_on_stack_t22;
-  logic       half_place_t1;
-  logic       half_place_t2;
+  logic        has_boxes;
+  logic        has_block;
+  logic        half_failed_t1;
+  logic        half_state_extent_t1;
+  logic        half_state_extent_t2;
+  logic        half_state_extent_t3;
+  logic        half_state_extent_t4;
+  logic        half_state_extent_t5;
+  logic        is_closer;
+  logic        half_state_has_hit_t1;
+  logic        half_leaf_continues_t1;
+  logic        goes_on;
+  logic        has_next;
+  logic        half_state_leaf_address_t1;
+  logic        at_target;
+  logic        half_state_restarting_t1;
+  logic        half_state_restarting_t2;
+  logic [2:0]  along;
+  logic [2:0]  first;
+  logic        is_hit;
+  logic [1:0]  half_child_t1;
+  logic [1:0]  half_rest_child_0_t1;
+  logic [1:0]  half_rest_child_1_t1;
+  logic        descends;
+  logic        is_lost;
+  logic        half_is_on_stack_t1;
+  logic        is_in_upper_16;
+  logic [14:0] half_of_16;
+  logic        is_in_upper_8;
+  logic [6:0]  half_of_8;
+  logic        is_in_upper_4;
+  logic [2:0]  half_of_4;
+  logic        is_in_upper_2;
+  logic        is_in_upper_16_2;
+  logic [14:0] half_of_16_2;
+  logic        is_in_upper_8_2;
+  logic [6:0]  half_of_8_2;
+  logic        is_in_upper_4_2;
+  logic [2:0]  half_of_4_2;
+  logic        is_in_upper_2_2;
+  logic [4:0]  half_is_on_stack_t2;
+  logic [6:0]  deepest;
+  logic [1:0]  half_place_t1;
 
   assign half_state_any_hit_o         = state_any_hit_i;
   assign half_state_root_o            = state_root_i;
-  assign half_state_extent_t1         = answer_kind_i == 4'd2;
-  assign half_state_extent_t2         = (31'h7f80_0000 < answer_closest_t_i[30:0]) | (31'h7f80_0000
+  assign has_block                    = answer_kind_i == 4'd2;
+  assign half_state_extent_t1         = (31'h7f80_0000 < answer_closest_t_i[30:0]) | (31'h7f80_0000
       < state_extent_i[30:0]);
-  assign half_state_extent_t3         = (answer_closest_t_i == state_extent_i) |
+  assign half_state_extent_t2         = (answer_closest_t_i == state_extent_i) |
       ((answer_closest_t_i[30:0] == 31'd0) & (state_extent_i[30:0] == 31'd0));
-  assign half_state_extent_t4         = answer_closest_t_i[31] ? state_extent_i[30:0] <
+  assign half_state_extent_t3         = answer_closest_t_i[31] ? state_extent_i[30:0] <
       answer_closest_t_i[30:0] : answer_closest_t_i[30:0] < state_extent_i[30:0];
-  assign half_state_extent_t5         = ~half_state_extent_t2 & ((answer_closest_t_i[31] ^
-      state_extent_i[31]) ? answer_closest_t_i[31] : half_state_extent_t4) & ~half_state_extent_t3;
-  assign half_state_extent_t6         = half_state_extent_t5 | (~half_state_extent_t2 &
-      half_state_extent_t3 & state_has_hit_i & (answer_closest_primitive_i < state_primitive_i));
-  assign half_state_extent_t7         = half_state_extent_t1 & answer_closest_is_hit_i &
-      half_state_extent_t6;
-  assign half_state_extent_o          = half_state_extent_t7 ? answer_closest_t_i : state_extent_i;
-  assign half_state_has_hit_t1        = state_has_hit_i | half_state_extent_t7;
+  assign half_state_extent_t4         = ~half_state_extent_t1 & ((answer_closest_t_i[31] ^
+      state_extent_i[31]) ? answer_closest_t_i[31] : half_state_extent_t3) & ~half_state_extent_t2;
+  assign half_state_extent_t5         = half_state_extent_t4 | (~half_state_extent_t1 &
+      half_state_extent_t2 & state_has_hit_i & (answer_closest_primitive_i < state_primitive_i));
+  assign is_closer                    = has_block & answer_closest_is_hit_i & half_state_extent_t5;
+  assign half_state_extent_o          = is_closer ? answer_closest_t_i : state_extent_i;
+  assign half_state_has_hit_t1        = state_has_hit_i | is_closer;
   assign half_state_has_hit_o         = half_state_has_hit_t1;
-  assign half_state_t_num_o           = half_state_extent_t7 ? answer_closest_t_num_i :
-      state_t_num_i;
-  assign half_state_t_denom_o         = half_state_extent_t7 ? answer_closest_t_denom_i :
-      state_t_denom_i;
-  assign half_state_back_face_o       = half_state_extent_t7 ? answer_closest_is_clockwise_i :
+  assign half_state_t_num_o           = is_closer ? answer_closest_t_num_i : state_t_num_i;
+  assign half_state_t_denom_o         = is_closer ? answer_closest_t_denom_i : state_t_denom_i;
+  assign half_state_back_face_o       = is_closer ? answer_closest_is_clockwise_i :
       state_back_face_i;
-  assign half_state_primitive_o       = half_state_extent_t7 ? answer_closest_primitive_i :
-      state_primitive_i;
+  assign half_state_primitive_o       = is_closer ? answer_closest_primitive_i : state_primitive_i;
   assign half_state_nodes_o           = state_nodes_i;
   assign half_state_triangles_o       = state_triangles_i;
   assign half_state_level_o           = state_level_i;
@@ -183,132 +170,94 @@ module raypath_unit_prepare (
   assign half_state_place_high_low_o  = state_place_high_low_i;
   assign half_state_place_high_high_o = state_place_high_high_i;
   assign half_state_base_o            = state_base_i;
-  assign half_state_restarting_t1     = answer_kind_i == 4'd1;
-  assign half_state_restarting_t2     = state_level_i == state_target_i;
-  assign half_state_restarting_t3     = state_level_i[5] ? |(state_place_high_high_i & (32'd1 <<
+  assign has_boxes                    = answer_kind_i == 4'd1;
+  assign at_target                    = state_level_i == state_target_i;
+  assign half_state_restarting_t1     = state_level_i[5] ? |(state_place_high_high_i & (32'd1 <<
       state_level_i[4:0])) : |(state_place_high_low_i & (32'd1 << state_level_i[4:0]));
-  assign half_state_restarting_t4     = state_level_i[5] ? |(state_place_low_high_i & (32'd1 <<
+  assign half_state_restarting_t2     = state_level_i[5] ? |(state_place_low_high_i & (32'd1 <<
       state_level_i[4:0])) : |(state_place_low_low_i & (32'd1 << state_level_i[4:0]));
-  assign half_state_restarting_t5     = {1'b0, half_state_restarting_t3, half_state_restarting_t4};
-  assign half_state_restarting_t6     = state_restarting_i ? (half_state_restarting_t2 ?
-      half_state_restarting_t5 + 3'd1 : half_state_restarting_t5) : 3'd0;
-  assign half_state_restarting_t7     = half_state_restarting_t6[1] ? (half_state_restarting_t6[0] ?
-      answer_hit_i[3] : answer_hit_i[2]) : (half_state_restarting_t6[0] ? answer_hit_i[1] :
-      answer_hit_i[0]);
-  assign half_state_restarting_t8     = ~half_state_restarting_t6[2] & half_state_restarting_t7;
-  assign half_state_restarting_t9     = half_state_restarting_t1 & half_state_restarting_t8;
-  assign half_state_restarting_t10    = half_state_restarting_t1 & ~half_state_restarting_t8 &
-      state_restarting_i;
-  assign half_state_restarting_o      = state_restarting_i & ~half_state_restarting_t10 &
-      ~(half_state_restarting_t9 & half_state_restarting_t2);
+  assign along                        = {1'b0, half_state_restarting_t1, half_state_restarting_t2};
+  assign first                        = state_restarting_i ? (at_target ? along + 3'd1 : along) :
+      3'd0;
+  assign is_hit                       = ~first[2] & (first[1] ? (first[0] ? answer_hit_i[3] :
+      answer_hit_i[2]) : (first[0] ? answer_hit_i[1] : answer_hit_i[0]));
+  assign descends                     = has_boxes & is_hit;
+  assign is_lost                      = has_boxes & ~is_hit & state_restarting_i;
+  assign half_state_restarting_o      = state_restarting_i & ~is_lost & ~(descends & at_target);
   assign half_state_target_o          = state_target_i;
-  assign half_state_leaf_address_t1   = 4'd3 < state_leaf_left_i;
-  assign half_state_leaf_address_t2   = half_state_extent_t1 & half_state_leaf_address_t1;
-  assign half_state_leaf_address_o    = half_state_leaf_address_t2 ? state_leaf_address_i + 32'd128
+  assign has_next                     = 4'd3 < state_leaf_left_i;
+  assign half_state_leaf_address_t1   = has_block & has_next;
+  assign half_state_leaf_address_o    = half_state_leaf_address_t1 ? state_leaf_address_i + 32'd128
       : state_leaf_address_i;
-  assign half_state_leaf_left_o       = half_state_leaf_address_t2 ? state_leaf_left_i + 4'd13 :
+  assign half_state_leaf_left_o       = half_state_leaf_address_t1 ? state_leaf_left_i + 4'd13 :
       state_leaf_left_i;
   assign half_starts_o                = answer_kind_i == 4'd0;
   assign half_failed_t1               = answer_kind_i == 4'd5;
   assign half_failed_o                = (answer_kind_i == 4'd4) | half_failed_t1;
   assign half_is_refused_o            = half_failed_t1;
   assign half_cannot_enter_o          = 1'b0;
-  assign half_descends_o              = half_state_restarting_t9;
-  assign half_is_lost_o               = half_state_restarting_t10;
-  assign half_leaf_continues_t1       = half_state_extent_t1 & state_any_hit_i &
-      half_state_has_hit_t1;
-  assign half_leaf_continues_t2       = half_state_extent_t1 & ~half_leaf_continues_t1;
-  assign half_leaf_continues_o        = half_leaf_continues_t2 & half_state_leaf_address_t1;
+  assign half_descends_o              = descends;
+  assign half_is_lost_o               = is_lost;
+  assign half_leaf_continues_t1       = has_block & state_any_hit_i & half_state_has_hit_t1;
+  assign goes_on                      = has_block & ~half_leaf_continues_t1;
+  assign half_leaf_continues_o        = goes_on & has_next;
   assign half_ends_o                  = half_leaf_continues_t1;
-  assign half_pops_o                  = (half_leaf_continues_t2 & ~half_state_leaf_address_t1) |
-      (answer_kind_i == 4'd3) | (half_state_restarting_t1 & ~half_state_restarting_t8 &
-      ~state_restarting_i);
+  assign half_pops_o                  = (goes_on & ~has_next) | (answer_kind_i == 4'd3) | (has_boxes
+      & ~is_hit & ~state_restarting_i);
   assign half_is_empty_o              = (state_pending_low_i == 32'd0) & (state_pending_high_i ==
       32'd0);
   assign half_is_on_stack_t1          = state_pending_high_i == 32'd0;
-  assign half_is_on_stack_t2          = state_pending_low_i[4] ? 5'd4 : (state_pending_low_i[3] ?
-      5'd3 : (state_pending_low_i[2] ? 5'd2 : (state_pending_low_i[1] ? 5'd1 : 5'd0)));
-  assign half_is_on_stack_t3          = state_pending_low_i[8] ? 5'd8 : (state_pending_low_i[7] ?
-      5'd7 : (state_pending_low_i[6] ? 5'd6 : (state_pending_low_i[5] ? 5'd5 :
-      half_is_on_stack_t2)));
-  assign half_is_on_stack_t4          = state_pending_low_i[11] ? 5'd11 : (state_pending_low_i[10] ?
-      5'd10 : (state_pending_low_i[9] ? 5'd9 : half_is_on_stack_t3));
-  assign half_is_on_stack_t5          = state_pending_low_i[14] ? 5'd14 : (state_pending_low_i[13] ?
-      5'd13 : (state_pending_low_i[12] ? 5'd12 : half_is_on_stack_t4));
-  assign half_is_on_stack_t6          = state_pending_low_i[17] ? 5'd17 : (state_pending_low_i[16] ?
-      5'd16 : (state_pending_low_i[15] ? 5'd15 : half_is_on_stack_t5));
-  assign half_is_on_stack_t7          = state_pending_low_i[20] ? 5'd20 : (state_pending_low_i[19] ?
-      5'd19 : (state_pending_low_i[18] ? 5'd18 : half_is_on_stack_t6));
-  assign half_is_on_stack_t8          = state_pending_low_i[23] ? 5'd23 : (state_pending_low_i[22] ?
-      5'd22 : (state_pending_low_i[21] ? 5'd21 : half_is_on_stack_t7));
-  assign half_is_on_stack_t9          = state_pending_low_i[26] ? 5'd26 : (state_pending_low_i[25] ?
-      5'd25 : (state_pending_low_i[24] ? 5'd24 : half_is_on_stack_t8));
-  assign half_is_on_stack_t10         = state_pending_low_i[29] ? 5'd29 : (state_pending_low_i[28] ?
-      5'd28 : (state_pending_low_i[27] ? 5'd27 : half_is_on_stack_t9));
-  assign half_is_on_stack_t11         = state_pending_high_i[4] ? 5'd4 : (state_pending_high_i[3] ?
-      5'd3 : (state_pending_high_i[2] ? 5'd2 : (state_pending_high_i[1] ? 5'd1 : 5'd0)));
-  assign half_is_on_stack_t12         = state_pending_high_i[7] ? 5'd7 : (state_pending_high_i[6] ?
-      5'd6 : (state_pending_high_i[5] ? 5'd5 : half_is_on_stack_t11));
-  assign half_is_on_stack_t13         = state_pending_high_i[10] ? 5'd10 : (state_pending_high_i[9]
-      ? 5'd9 : (state_pending_high_i[8] ? 5'd8 : half_is_on_stack_t12));
-  assign half_is_on_stack_t14         = state_pending_high_i[13] ? 5'd13 : (state_pending_high_i[12]
-      ? 5'd12 : (state_pending_high_i[11] ? 5'd11 : half_is_on_stack_t13));
-  assign half_is_on_stack_t15         = state_pending_high_i[16] ? 5'd16 : (state_pending_high_i[15]
-      ? 5'd15 : (state_pending_high_i[14] ? 5'd14 : half_is_on_stack_t14));
-  assign half_is_on_stack_t16         = state_pending_high_i[19] ? 5'd19 : (state_pending_high_i[18]
-      ? 5'd18 : (state_pending_high_i[17] ? 5'd17 : half_is_on_stack_t15));
-  assign half_is_on_stack_t17         = state_pending_high_i[22] ? 5'd22 : (state_pending_high_i[21]
-      ? 5'd21 : (state_pending_high_i[20] ? 5'd20 : half_is_on_stack_t16));
-  assign half_is_on_stack_t18         = state_pending_high_i[25] ? 5'd25 : (state_pending_high_i[24]
-      ? 5'd24 : (state_pending_high_i[23] ? 5'd23 : half_is_on_stack_t17));
-  assign half_is_on_stack_t19         = state_pending_high_i[28] ? 5'd28 : (state_pending_high_i[27]
-      ? 5'd27 : (state_pending_high_i[26] ? 5'd26 : half_is_on_stack_t18));
-  assign half_is_on_stack_t20         = state_pending_high_i[31] ? 5'd31 : (state_pending_high_i[30]
-      ? 5'd30 : (state_pending_high_i[29] ? 5'd29 : half_is_on_stack_t19));
-  assign half_is_on_stack_t21         = half_is_on_stack_t1 ? (state_pending_low_i[31] ? 5'd31 :
-      (state_pending_low_i[30] ? 5'd30 : half_is_on_stack_t10)) : half_is_on_stack_t20;
-  assign half_is_on_stack_t22         = {1'b0, ~half_is_on_stack_t1, half_is_on_stack_t21};
-  assign half_is_on_stack_o           = ~(half_is_on_stack_t22 < state_base_i);
-  assign half_deepest_o               = half_is_on_stack_t22;
-  assign half_parent_o                = half_state_restarting_t9 ? state_level_i :
-      half_is_on_stack_t22;
-  assign half_place_t1                = half_is_on_stack_t22[5] ? |(state_place_high_high_i & (32'd1
-      << half_is_on_stack_t22[4:0])) : |(state_place_high_low_i & (32'd1 <<
-      half_is_on_stack_t22[4:0]));
-  assign half_place_t2                = half_is_on_stack_t22[5] ? |(state_place_low_high_i & (32'd1
-      << half_is_on_stack_t22[4:0])) : |(state_place_low_low_i & (32'd1 <<
-      half_is_on_stack_t22[4:0]));
-  assign half_place_o                 = half_state_restarting_t9 ? half_state_restarting_t6[1:0] :
-      {half_place_t1, half_place_t2} + 2'd1;
-  assign half_child_t1                = half_state_restarting_t6[1] ? (half_state_restarting_t6[0] ?
-      answer_box_index_3_i : answer_box_index_2_i) : (half_state_restarting_t6[0] ?
-      answer_box_index_1_i : answer_box_index_0_i);
+  assign is_in_upper_16               = |state_pending_low_i[31:16];
+  assign half_of_16                   = is_in_upper_16 ? state_pending_low_i[31:17] :
+      state_pending_low_i[15:1];
+  assign is_in_upper_8                = |half_of_16[14:7];
+  assign half_of_8                    = is_in_upper_8 ? half_of_16[14:8] : half_of_16[6:0];
+  assign is_in_upper_4                = |half_of_8[6:3];
+  assign half_of_4                    = is_in_upper_4 ? half_of_8[6:4] : half_of_8[2:0];
+  assign is_in_upper_2                = |half_of_4[2:1];
+  assign is_in_upper_16_2             = |state_pending_high_i[31:16];
+  assign half_of_16_2                 = is_in_upper_16_2 ? state_pending_high_i[31:17] :
+      state_pending_high_i[15:1];
+  assign is_in_upper_8_2              = |half_of_16_2[14:7];
+  assign half_of_8_2                  = is_in_upper_8_2 ? half_of_16_2[14:8] : half_of_16_2[6:0];
+  assign is_in_upper_4_2              = |half_of_8_2[6:3];
+  assign half_of_4_2                  = is_in_upper_4_2 ? half_of_8_2[6:4] : half_of_8_2[2:0];
+  assign is_in_upper_2_2              = |half_of_4_2[2:1];
+  assign half_is_on_stack_t2          = half_is_on_stack_t1 ? {is_in_upper_16, is_in_upper_8,
+      is_in_upper_4, is_in_upper_2, is_in_upper_2 ? half_of_4[2] : half_of_4[0]} :
+      {is_in_upper_16_2, is_in_upper_8_2, is_in_upper_4_2, is_in_upper_2_2, is_in_upper_2_2 ?
+      half_of_4_2[2] : half_of_4_2[0]};
+  assign deepest                      = {1'b0, ~half_is_on_stack_t1, half_is_on_stack_t2};
+  assign half_is_on_stack_o           = ~(deepest < state_base_i);
+  assign half_deepest_o               = deepest;
+  assign half_parent_o                = descends ? state_level_i : deepest;
+  assign half_place_t1                = {deepest[5] ? |(state_place_high_high_i & (32'd1 <<
+      deepest[4:0])) : |(state_place_high_low_i & (32'd1 << deepest[4:0])), deepest[5] ?
+      |(state_place_low_high_i & (32'd1 << deepest[4:0])) : |(state_place_low_low_i & (32'd1 <<
+      deepest[4:0]))};
+  assign half_place_o                 = descends ? first[1:0] : half_place_t1 + 2'd1;
+  assign half_child_t1                = first[1] ? (first[0] ? answer_box_index_3_i :
+      answer_box_index_2_i) : (first[0] ? answer_box_index_1_i : answer_box_index_0_i);
   assign half_child_o                 = half_child_t1[1] ? (half_child_t1[0] ? answer_child_3_i :
       answer_child_2_i) : (half_child_t1[0] ? answer_child_1_i : answer_child_0_i);
-  assign half_rest_present_t1         = half_state_restarting_t6[1] ? ~half_state_restarting_t6[0] &
-      answer_hit_i[3] : (half_state_restarting_t6[0] ? answer_hit_i[2] : answer_hit_i[1]);
-  assign half_rest_present_t2         = ~half_state_restarting_t6[2] & ~half_state_restarting_t6[1]
-      & (half_state_restarting_t6[0] ? answer_hit_i[3] : answer_hit_i[2]);
-  assign half_rest_present_o          = {~half_state_restarting_t6[2] & ~half_state_restarting_t6[1]
-      & ~half_state_restarting_t6[0] & answer_hit_i[3], half_rest_present_t2,
-      ~half_state_restarting_t6[2] & half_rest_present_t1};
-  assign half_rest_child_0_t1         = half_state_restarting_t6[1] ? answer_box_index_3_i :
-      (half_state_restarting_t6[0] ? answer_box_index_2_i : answer_box_index_1_i);
+  assign half_rest_present_o          = {~first[2] & ~first[1] & ~first[0] & answer_hit_i[3],
+      ~first[2] & ~first[1] & (first[0] ? answer_hit_i[3] : answer_hit_i[2]), ~first[2] & (first[1]
+      ? ~first[0] & answer_hit_i[3] : (first[0] ? answer_hit_i[2] : answer_hit_i[1]))};
+  assign half_rest_child_0_t1         = first[1] ? answer_box_index_3_i : (first[0] ?
+      answer_box_index_2_i : answer_box_index_1_i);
   assign half_rest_child_0_o          = half_rest_child_0_t1[1] ? (half_rest_child_0_t1[0] ?
       answer_child_3_i : answer_child_2_i) : (half_rest_child_0_t1[0] ? answer_child_1_i :
       answer_child_0_i);
-  assign half_rest_child_1_t1         = half_state_restarting_t6[0] ? answer_box_index_3_i :
-      answer_box_index_2_i;
+  assign half_rest_child_1_t1         = first[0] ? answer_box_index_3_i : answer_box_index_2_i;
   assign half_rest_child_1_o          = half_rest_child_1_t1[1] ? (half_rest_child_1_t1[0] ?
       answer_child_3_i : answer_child_2_i) : (half_rest_child_1_t1[0] ? answer_child_1_i :
       answer_child_0_i);
   assign half_rest_child_2_o          = answer_box_index_3_i[1] ? (answer_box_index_3_i[0] ?
       answer_child_3_i : answer_child_2_i) : (answer_box_index_3_i[0] ? answer_child_1_i :
       answer_child_0_i);
-  assign half_rest_tmin_0_o           = half_state_restarting_t6[1] ? answer_tmin_2_i :
-      (half_state_restarting_t6[0] ? answer_tmin_1_i : answer_tmin_0_i);
-  assign half_rest_tmin_1_o           = half_state_restarting_t6[0] ? answer_tmin_2_i :
-      answer_tmin_1_i;
+  assign half_rest_tmin_0_o           = first[1] ? answer_tmin_2_i : (first[0] ? answer_tmin_1_i :
+      answer_tmin_0_i);
+  assign half_rest_tmin_1_o           = first[0] ? answer_tmin_2_i : answer_tmin_1_i;
   assign half_rest_tmin_2_o           = answer_tmin_2_i;
 
 endmodule : raypath_unit_prepare

@@ -162,10 +162,10 @@ module raypath_unit_rays (
   );
 
   // ---- Rays that begin ------------------------------------------------------
-  raypath_unit_starts u_starts (
-    .clk_i, .rst_ni, .push_i (set_up_valid), .context_i (set_up_context),
-    .is_refused_i (set_up_is_refused), .pop_i (start_taken_i), .valid_o (start_valid_o),
-    .context_o (start_context_o), .is_refused_o (start_is_refused_o)
+  raypath_queue #(.Depth (64), .Width (7)) u_starts (
+    .clk_i, .rst_ni, .push_i (set_up_valid), .pop_i (start_taken_i),
+    .data_i ({set_up_context, set_up_is_refused}), .valid_o (start_valid_o),
+    .data_o ({start_context_o, start_is_refused_o})
   );
 
   // ---- Outputs --------------------------------------------------------------

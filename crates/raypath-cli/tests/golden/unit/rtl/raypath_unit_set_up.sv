@@ -44,26 +44,23 @@ module raypath_unit_set_up (
   logic [31:0] dir_x_q;
   logic [31:0] dir_y_q;
   logic [31:0] dir_z_q;
-  logic [31:0] is_refused_t1;
+  logic [31:0] magnitude;
+  logic        is_refused_t1;
+  logic [31:0] magnitude_2;
   logic        is_refused_t2;
   logic        is_refused_t3;
-  logic [31:0] is_refused_t4;
+  logic [31:0] magnitude_3;
+  logic        is_refused_t4;
+  logic [31:0] magnitude_4;
   logic        is_refused_t5;
+  logic [31:0] magnitude_5;
   logic        is_refused_t6;
-  logic [31:0] is_refused_t7;
+  logic        is_refused_t7;
+  logic [31:0] magnitude_6;
   logic        is_refused_t8;
+  logic        finite;
   logic        is_refused_t9;
-  logic [31:0] is_refused_t10;
-  logic        is_refused_t11;
-  logic        is_refused_t12;
-  logic [31:0] is_refused_t13;
-  logic        is_refused_t14;
-  logic        is_refused_t15;
-  logic [31:0] is_refused_t16;
-  logic        is_refused_t17;
-  logic        is_refused_t18;
-  logic        is_refused_t19;
-  logic        is_refused_t20;
+  logic        is_refused_d;
   logic        is_refused_q;
   logic [5:0]  context_q;
 
@@ -87,113 +84,101 @@ module raypath_unit_set_up (
     end
   end
 
-  assign is_refused_t1  = entry_origin_x_i[31] ? {~entry_origin_x_i[31], entry_origin_x_i[30:0]} :
+  assign magnitude     = entry_origin_x_i[31] ? {~entry_origin_x_i[31], entry_origin_x_i[30:0]} :
       entry_origin_x_i;
-  assign is_refused_t2  = is_refused_t1[31] ? is_refused_t1[31] : (is_refused_t1[31] ? 31'h7f80_0000
-      < is_refused_t1[30:0] : is_refused_t1[30:0] < 31'h7f80_0000);
-  assign is_refused_t3  = ~((31'h7f80_0000 < is_refused_t1[30:0]) | (31'h7f80_0000 < 31'h7f80_0000))
-      & is_refused_t2 & ~((is_refused_t1 == 32'h7f80_0000) | ((is_refused_t1[30:0] == 31'd0) &
-      (31'h7f80_0000 == 31'd0)));
-  assign is_refused_t4  = entry_origin_y_i[31] ? {~entry_origin_y_i[31], entry_origin_y_i[30:0]} :
+  assign is_refused_t1 = (magnitude[31] ? magnitude[31] : (magnitude[31] ? 31'h7f80_0000 <
+      magnitude[30:0] : magnitude[30:0] < 31'h7f80_0000)) & (magnitude != 32'h7f80_0000);
+  assign magnitude_2   = entry_origin_y_i[31] ? {~entry_origin_y_i[31], entry_origin_y_i[30:0]} :
       entry_origin_y_i;
-  assign is_refused_t5  = is_refused_t4[31] ? is_refused_t4[31] : (is_refused_t4[31] ? 31'h7f80_0000
-      < is_refused_t4[30:0] : is_refused_t4[30:0] < 31'h7f80_0000);
-  assign is_refused_t6  = ~((31'h7f80_0000 < is_refused_t4[30:0]) | (31'h7f80_0000 < 31'h7f80_0000))
-      & is_refused_t5 & ~((is_refused_t4 == 32'h7f80_0000) | ((is_refused_t4[30:0] == 31'd0) &
-      (31'h7f80_0000 == 31'd0)));
-  assign is_refused_t7  = entry_origin_z_i[31] ? {~entry_origin_z_i[31], entry_origin_z_i[30:0]} :
+  assign is_refused_t2 = magnitude_2[31] ? magnitude_2[31] : (magnitude_2[31] ? 31'h7f80_0000 <
+      magnitude_2[30:0] : magnitude_2[30:0] < 31'h7f80_0000);
+  assign is_refused_t3 = ~(31'h7f80_0000 < magnitude[30:0]) & is_refused_t1 & ~(31'h7f80_0000 <
+      magnitude_2[30:0]) & is_refused_t2 & (magnitude_2 != 32'h7f80_0000);
+  assign magnitude_3   = entry_origin_z_i[31] ? {~entry_origin_z_i[31], entry_origin_z_i[30:0]} :
       entry_origin_z_i;
-  assign is_refused_t8  = is_refused_t7[31] ? is_refused_t7[31] : (is_refused_t7[31] ? 31'h7f80_0000
-      < is_refused_t7[30:0] : is_refused_t7[30:0] < 31'h7f80_0000);
-  assign is_refused_t9  = ~((31'h7f80_0000 < is_refused_t7[30:0]) | (31'h7f80_0000 < 31'h7f80_0000))
-      & is_refused_t8 & ~((is_refused_t7 == 32'h7f80_0000) | ((is_refused_t7[30:0] == 31'd0) &
-      (31'h7f80_0000 == 31'd0)));
-  assign is_refused_t10 = entry_dir_x_i[31] ? {~entry_dir_x_i[31], entry_dir_x_i[30:0]} :
+  assign is_refused_t4 = magnitude_3[31] ? magnitude_3[31] : (magnitude_3[31] ? 31'h7f80_0000 <
+      magnitude_3[30:0] : magnitude_3[30:0] < 31'h7f80_0000);
+  assign magnitude_4   = entry_dir_x_i[31] ? {~entry_dir_x_i[31], entry_dir_x_i[30:0]} :
       entry_dir_x_i;
-  assign is_refused_t11 = is_refused_t10[31] ? is_refused_t10[31] : (is_refused_t10[31] ?
-      31'h7f80_0000 < is_refused_t10[30:0] : is_refused_t10[30:0] < 31'h7f80_0000);
-  assign is_refused_t12 = ~((31'h7f80_0000 < is_refused_t10[30:0]) | (31'h7f80_0000 <
-      31'h7f80_0000)) & is_refused_t11 & ~((is_refused_t10 == 32'h7f80_0000) |
-      ((is_refused_t10[30:0] == 31'd0) & (31'h7f80_0000 == 31'd0)));
-  assign is_refused_t13 = entry_dir_y_i[31] ? {~entry_dir_y_i[31], entry_dir_y_i[30:0]} :
+  assign is_refused_t5 = magnitude_4[31] ? magnitude_4[31] : (magnitude_4[31] ? 31'h7f80_0000 <
+      magnitude_4[30:0] : magnitude_4[30:0] < 31'h7f80_0000);
+  assign magnitude_5   = entry_dir_y_i[31] ? {~entry_dir_y_i[31], entry_dir_y_i[30:0]} :
       entry_dir_y_i;
-  assign is_refused_t14 = is_refused_t13[31] ? is_refused_t13[31] : (is_refused_t13[31] ?
-      31'h7f80_0000 < is_refused_t13[30:0] : is_refused_t13[30:0] < 31'h7f80_0000);
-  assign is_refused_t15 = ~((31'h7f80_0000 < is_refused_t13[30:0]) | (31'h7f80_0000 <
-      31'h7f80_0000)) & is_refused_t14 & ~((is_refused_t13 == 32'h7f80_0000) |
-      ((is_refused_t13[30:0] == 31'd0) & (31'h7f80_0000 == 31'd0)));
-  assign is_refused_t16 = entry_dir_z_i[31] ? {~entry_dir_z_i[31], entry_dir_z_i[30:0]} :
+  assign is_refused_t6 = magnitude_5[31] ? magnitude_5[31] : (magnitude_5[31] ? 31'h7f80_0000 <
+      magnitude_5[30:0] : magnitude_5[30:0] < 31'h7f80_0000);
+  assign is_refused_t7 = ~(31'h7f80_0000 < magnitude_4[30:0]) & is_refused_t5 & (magnitude_4 !=
+      32'h7f80_0000) & ~(31'h7f80_0000 < magnitude_5[30:0]) & is_refused_t6 & (magnitude_5 !=
+      32'h7f80_0000);
+  assign magnitude_6   = entry_dir_z_i[31] ? {~entry_dir_z_i[31], entry_dir_z_i[30:0]} :
       entry_dir_z_i;
-  assign is_refused_t17 = is_refused_t16[31] ? is_refused_t16[31] : (is_refused_t16[31] ?
-      31'h7f80_0000 < is_refused_t16[30:0] : is_refused_t16[30:0] < 31'h7f80_0000);
-  assign is_refused_t18 = ~((31'h7f80_0000 < is_refused_t16[30:0]) | (31'h7f80_0000 <
-      31'h7f80_0000)) & is_refused_t17 & ~((is_refused_t16 == 32'h7f80_0000) |
-      ((is_refused_t16[30:0] == 31'd0) & (31'h7f80_0000 == 31'd0)));
-  assign is_refused_t19 = is_refused_t3 & is_refused_t6 & is_refused_t9 & is_refused_t12 &
-      is_refused_t15 & is_refused_t18 & ~((entry_dir_x_i[30:0] == 31'd0) & (entry_dir_y_i[30:0] ==
-      31'd0) & (entry_dir_z_i[30:0] == 31'd0));
-  assign is_refused_t20 = is_refused_t19 & ~(31'h7f80_0000 < entry_t_min_i[30:0]) &
-      ((entry_t_min_i[30:0] == 31'd0) | ~entry_t_min_i[31]) & ~(31'h7f80_0000 < entry_t_max_i[30:0])
-      & ((entry_t_max_i[30:0] == 31'd0) | ~entry_t_max_i[31]);
+  assign is_refused_t8 = magnitude_6[31] ? magnitude_6[31] : (magnitude_6[31] ? 31'h7f80_0000 <
+      magnitude_6[30:0] : magnitude_6[30:0] < 31'h7f80_0000);
+  assign finite        = is_refused_t3 & ~(31'h7f80_0000 < magnitude_3[30:0]) & is_refused_t4 &
+      (magnitude_3 != 32'h7f80_0000) & is_refused_t7 & ~(31'h7f80_0000 < magnitude_6[30:0]) &
+      is_refused_t8 & (magnitude_6 != 32'h7f80_0000);
+  assign is_refused_t9 = finite & ~((entry_dir_x_i[30:0] == 31'd0) & (entry_dir_y_i[30:0] == 31'd0)
+      & (entry_dir_z_i[30:0] == 31'd0)) & ~(31'h7f80_0000 < entry_t_min_i[30:0]) &
+      ((entry_t_min_i[30:0] == 31'd0) | ~entry_t_min_i[31]);
+  assign is_refused_d  = is_meaningless_i | ~(is_refused_t9 & ~(31'h7f80_0000 < entry_t_max_i[30:0])
+      & ((entry_t_max_i[30:0] == 31'd0) | ~entry_t_max_i[31]));
 
   always_ff @(posedge clk_i) begin
     if (enters) begin
       dir_x_q      <= entry_dir_x_i;
       dir_y_q      <= entry_dir_y_i;
       dir_z_q      <= entry_dir_z_i;
-      is_refused_q <= is_meaningless_i | ~is_refused_t20;
+      is_refused_q <= is_refused_d;
       context_q    <= context_i;
     end
   end
 
   // ---- The axes, which the last two quotients need, in a register because they are slow
-  logic [31:0] axis_kx_t1;
-  logic [31:0] axis_kx_t2;
+  logic [31:0] magnitude_7;
+  logic [31:0] magnitude_8;
+  logic [31:0] magnitude_9;
+  logic        axis_kx_t1;
+  logic        axis_kx_t2;
+  logic        y_is_greater;
   logic [31:0] axis_kx_t3;
   logic        axis_kx_t4;
   logic        axis_kx_t5;
-  logic        axis_kx_t6;
-  logic [31:0] axis_kx_t7;
-  logic        axis_kx_t8;
-  logic        axis_kx_t9;
-  logic [1:0]  axis_kx_t10;
-  logic [1:0]  axis_kx_t11;
-  logic [1:0]  axis_kx_t12;
-  logic [1:0]  axis_kx_t13;
-  logic [31:0] axis_kx_t14;
-  logic        axis_kx_t15;
+  logic [1:0]  kz;
+  logic [1:0]  axis_kx_t6;
+  logic [1:0]  axis_kx_t7;
+  logic [1:0]  axis_kx_t8;
+  logic [31:0] axis_kx_t9;
+  logic        axis_kx_t10;
   logic [1:0]  axis_kx_q;
   logic [1:0]  axis_ky_q;
   logic [1:0]  axis_kz_q;
 
-  assign axis_kx_t1  = dir_x_q[31] ? {~dir_x_q[31], dir_x_q[30:0]} : dir_x_q;
-  assign axis_kx_t2  = dir_y_q[31] ? {~dir_y_q[31], dir_y_q[30:0]} : dir_y_q;
-  assign axis_kx_t3  = dir_z_q[31] ? {~dir_z_q[31], dir_z_q[30:0]} : dir_z_q;
-  assign axis_kx_t4  = (axis_kx_t2 == axis_kx_t1) | ((axis_kx_t2[30:0] == 31'd0) & (axis_kx_t1[30:0]
-      == 31'd0));
-  assign axis_kx_t5  = (axis_kx_t2[31] ^ axis_kx_t1[31]) ? axis_kx_t2[31] : (axis_kx_t2[31] ?
-      axis_kx_t1[30:0] < axis_kx_t2[30:0] : axis_kx_t2[30:0] < axis_kx_t1[30:0]);
-  assign axis_kx_t6  = ~((31'h7f80_0000 < axis_kx_t2[30:0]) | (31'h7f80_0000 < axis_kx_t1[30:0])) &
-      ~axis_kx_t4 & ~(axis_kx_t5 & ~axis_kx_t4);
-  assign axis_kx_t7  = axis_kx_t6 ? axis_kx_t2 : axis_kx_t1;
-  assign axis_kx_t8  = (axis_kx_t3 == axis_kx_t7) | ((axis_kx_t3[30:0] == 31'd0) & (axis_kx_t7[30:0]
-      == 31'd0));
-  assign axis_kx_t9  = (axis_kx_t3[31] ^ axis_kx_t7[31]) ? axis_kx_t3[31] : (axis_kx_t3[31] ?
-      axis_kx_t7[30:0] < axis_kx_t3[30:0] : axis_kx_t3[30:0] < axis_kx_t7[30:0]);
-  assign axis_kx_t10 = (~((31'h7f80_0000 < axis_kx_t3[30:0]) | (31'h7f80_0000 < axis_kx_t7[30:0])) &
-      ~axis_kx_t8 & ~(axis_kx_t9 & ~axis_kx_t8)) ? 2'd2 : (axis_kx_t6 ? 2'd1 : 2'd0);
-  assign axis_kx_t11 = (axis_kx_t10 == 2'd2) ? 2'd0 : axis_kx_t10 + 2'd1;
-  assign axis_kx_t12 = (axis_kx_t10 == 2'd2) ? 2'd0 : axis_kx_t10 + 2'd1;
-  assign axis_kx_t13 = (axis_kx_t12 == 2'd2) ? 2'd0 : axis_kx_t12 + 2'd1;
-  assign axis_kx_t14 = (axis_kx_t10 == 2'd0) ? dir_x_q : ((axis_kx_t10 == 2'd1) ? dir_y_q :
-      dir_z_q);
-  assign axis_kx_t15 = ~(31'h7f80_0000 < axis_kx_t14[30:0]) & (axis_kx_t14[30:0] != 31'd0) &
-      axis_kx_t14[31];
+  assign magnitude_7  = dir_x_q[31] ? {~dir_x_q[31], dir_x_q[30:0]} : dir_x_q;
+  assign magnitude_8  = dir_y_q[31] ? {~dir_y_q[31], dir_y_q[30:0]} : dir_y_q;
+  assign magnitude_9  = dir_z_q[31] ? {~dir_z_q[31], dir_z_q[30:0]} : dir_z_q;
+  assign axis_kx_t1   = (magnitude_8 == magnitude_7) | ((magnitude_8[30:0] == 31'd0) &
+      (magnitude_7[30:0] == 31'd0));
+  assign axis_kx_t2   = (magnitude_8[31] ^ magnitude_7[31]) ? magnitude_8[31] : (magnitude_8[31] ?
+      magnitude_7[30:0] < magnitude_8[30:0] : magnitude_8[30:0] < magnitude_7[30:0]);
+  assign y_is_greater = ~((31'h7f80_0000 < magnitude_8[30:0]) | (31'h7f80_0000 < magnitude_7[30:0]))
+      & ~axis_kx_t1 & ~(axis_kx_t2 & ~axis_kx_t1);
+  assign axis_kx_t3   = y_is_greater ? magnitude_8 : magnitude_7;
+  assign axis_kx_t4   = (magnitude_9 == axis_kx_t3) | ((magnitude_9[30:0] == 31'd0) &
+      (axis_kx_t3[30:0] == 31'd0));
+  assign axis_kx_t5   = (magnitude_9[31] ^ axis_kx_t3[31]) ? magnitude_9[31] : (magnitude_9[31] ?
+      axis_kx_t3[30:0] < magnitude_9[30:0] : magnitude_9[30:0] < axis_kx_t3[30:0]);
+  assign kz           = (~((31'h7f80_0000 < magnitude_9[30:0]) | (31'h7f80_0000 < axis_kx_t3[30:0]))
+      & ~axis_kx_t4 & ~(axis_kx_t5 & ~axis_kx_t4)) ? 2'd2 : (y_is_greater ? 2'd1 : 2'd0);
+  assign axis_kx_t6   = (kz == 2'd2) ? 2'd0 : kz + 2'd1;
+  assign axis_kx_t7   = (kz == 2'd2) ? 2'd0 : kz + 2'd1;
+  assign axis_kx_t8   = (axis_kx_t7 == 2'd2) ? 2'd0 : axis_kx_t7 + 2'd1;
+  assign axis_kx_t9   = (kz == 2'd0) ? dir_x_q : ((kz == 2'd1) ? dir_y_q : dir_z_q);
+  assign axis_kx_t10  = ~(31'h7f80_0000 < axis_kx_t9[30:0]) & (axis_kx_t9[30:0] != 31'd0) &
+      axis_kx_t9[31];
 
   always_ff @(posedge clk_i) begin
-    axis_kx_q <= axis_kx_t15 ? axis_kx_t13 : axis_kx_t11;
-    axis_ky_q <= axis_kx_t15 ? axis_kx_t11 : axis_kx_t13;
-    axis_kz_q <= axis_kx_t10;
+    axis_kx_q <= axis_kx_t10 ? axis_kx_t8 : axis_kx_t6;
+    axis_ky_q <= axis_kx_t10 ? axis_kx_t6 : axis_kx_t8;
+    axis_kz_q <= kz;
   end
 
   // ---- The operands, and their division: a quotient is always taken ---------
@@ -231,7 +216,7 @@ module raypath_unit_set_up (
     .ieee_i (encode_divisor_ieee), .recoded_o (encode_divisor_recoded)
   );
 
-  raypath_div_pipelined_e8s24_l11_t14 u_divider (
+  raypath_div_pipelined_e8s24_l11_tagged #(.Width (14)) u_divider (
     .clk_i, .rst_ni, .valid_i (has_operands_q), .ready_i (1'b1), .a_i (dividend_q),
     .b_i (divisor_q), .tag_i (operands_tag_q), .ready_o (divider_ready), .valid_o (divider_valid),
     .result_o (divider_result), .tag_o (divider_tag)
@@ -269,30 +254,27 @@ module raypath_unit_set_up (
   end
 
   // ---- Outputs --------------------------------------------------------------
-  logic [31:0] is_refused_t21;
-  logic [31:0] is_refused_t22;
-  logic        is_refused_t23;
-  logic        is_refused_t24;
+  logic [31:0] is_refused_t10;
+  logic [31:0] magnitude_10;
+  logic        is_refused_t11;
 
   assign ready_o        = ready;
   assign valid_o        = divider_valid & divider_tag[0];
   assign context_o      = divider_tag[13:8];
-  assign is_refused_t21 = (divider_tag[2:1] == 2'd0) ? quotient_0_q : ((divider_tag[2:1] == 2'd1) ?
+  assign is_refused_t10 = (divider_tag[2:1] == 2'd0) ? quotient_0_q : ((divider_tag[2:1] == 2'd1) ?
       quotient_1_q : quotient_2_q);
-  assign is_refused_t22 = is_refused_t21[31] ? {~is_refused_t21[31], is_refused_t21[30:0]} :
-      is_refused_t21;
-  assign is_refused_t23 = is_refused_t22[31] ? is_refused_t22[31] : (is_refused_t22[31] ?
-      31'h7f80_0000 < is_refused_t22[30:0] : is_refused_t22[30:0] < 31'h7f80_0000);
-  assign is_refused_t24 = ~((31'h7f80_0000 < is_refused_t22[30:0]) | (31'h7f80_0000 <
-      31'h7f80_0000)) & is_refused_t23 & ~((is_refused_t22 == 32'h7f80_0000) |
-      ((is_refused_t22[30:0] == 31'd0) & (31'h7f80_0000 == 31'd0)));
-  assign is_refused_o   = divider_tag[7] | ~is_refused_t24;
+  assign magnitude_10   = is_refused_t10[31] ? {~is_refused_t10[31], is_refused_t10[30:0]} :
+      is_refused_t10;
+  assign is_refused_t11 = magnitude_10[31] ? magnitude_10[31] : (magnitude_10[31] ? 31'h7f80_0000 <
+      magnitude_10[30:0] : magnitude_10[30:0] < 31'h7f80_0000);
+  assign is_refused_o   = divider_tag[7] | ~(~(31'h7f80_0000 < magnitude_10[30:0]) & is_refused_t11
+      & (magnitude_10 != 32'h7f80_0000));
   assign inv_x_o        = quotient_0_q;
   assign inv_y_o        = quotient_1_q;
   assign inv_z_o        = quotient_2_q;
   assign shear_x_o      = quotient_3_q;
   assign shear_y_o      = decode_ieee;
-  assign shear_z_o      = is_refused_t21;
+  assign shear_z_o      = is_refused_t10;
   assign kx_o           = divider_tag[6:5];
   assign ky_o           = divider_tag[4:3];
   assign kz_o           = divider_tag[2:1];

@@ -99,16 +99,16 @@ module raypath_unit_walk (
   assign again_asked   = finishes_q & (finish_request_kind == 2'd1);
   assign asked_context = finished_context_q;
 
-  raypath_unit_continues u_continues (
-    .clk_i, .rst_ni, .push_i (again_asked), .context_i (asked_context), .pop_i (again_taken),
-    .valid_o (continues_valid), .context_o (continues_context)
+  raypath_queue #(.Depth (64), .Width (6)) u_continues (
+    .clk_i, .rst_ni, .push_i (again_asked), .pop_i (again_taken), .data_i (asked_context),
+    .valid_o (continues_valid), .data_o (continues_context)
   );
 
   assign boxes_taken = scheduler_grant[0];
 
-  raypath_unit_tested u_tested (
-    .clk_i, .rst_ni, .push_i (boxes_valid_i), .context_i (boxes_context_i), .pop_i (boxes_taken),
-    .valid_o (tested_valid), .context_o (tested_context)
+  raypath_queue #(.Depth (64), .Width (6)) u_tested (
+    .clk_i, .rst_ni, .push_i (boxes_valid_i), .pop_i (boxes_taken), .data_i (boxes_context_i),
+    .valid_o (tested_valid), .data_o (tested_context)
   );
 
   assign scheduler_request = {continues_valid, start_valid_i, fault_valid_i, block_valid_i,

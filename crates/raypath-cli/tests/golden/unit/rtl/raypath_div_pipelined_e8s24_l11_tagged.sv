@@ -6,18 +6,20 @@
 //
 // Quotient of two recoded numbers, pipelined.
 
-module raypath_div_pipelined_e8s24_l11_t11 (
-  input  logic        clk_i,
-  input  logic        rst_ni,
-  input  logic        valid_i,
-  input  logic        ready_i,
-  input  logic [32:0] a_i,
-  input  logic [32:0] b_i,
-  input  logic [10:0] tag_i,
-  output logic        ready_o,
-  output logic        valid_o,
-  output logic [32:0] result_o,
-  output logic [10:0] tag_o
+module raypath_div_pipelined_e8s24_l11_tagged #(
+  parameter logic [31:0] Width = 1
+) (
+  input  logic             clk_i,
+  input  logic             rst_ni,
+  input  logic             valid_i,
+  input  logic             ready_i,
+  input  logic [32:0]      a_i,
+  input  logic [32:0]      b_i,
+  input  logic [Width-1:0] tag_i,
+  output logic             ready_o,
+  output logic             valid_o,
+  output logic [32:0]      result_o,
+  output logic [Width-1:0] tag_o
 );
 
   logic advance;
@@ -26,20 +28,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   assign advance = ~valid_11_q | ready_i;
 
   // ---- Part 1 ---------------------------------------------------------------
-  logic        valid_1_q;
-  logic [10:0] tag_1_q;
-  logic [1:0]  part_1_digits;
-  logic [24:0] part_1_remainder;
-  logic [8:0]  part_1_exponent;
-  logic        part_1_settled;
-  logic        part_1_sign;
-  logic [22:0] part_1_divisor;
-  logic [1:0]  digits_1_q;
-  logic [24:0] remainder_1_q;
-  logic [8:0]  exponent_1_q;
-  logic        settled_1_q;
-  logic        sign_1_q;
-  logic [22:0] divisor_1_q;
+  logic             valid_1_q;
+  logic [Width-1:0] tag_1_q;
+  logic [1:0]       part_1_digits;
+  logic [24:0]      part_1_remainder;
+  logic [8:0]       part_1_exponent;
+  logic             part_1_settled;
+  logic             part_1_sign;
+  logic [22:0]      part_1_divisor;
+  logic [1:0]       digits_1_q;
+  logic [24:0]      remainder_1_q;
+  logic [8:0]       exponent_1_q;
+  logic             settled_1_q;
+  logic             sign_1_q;
+  logic [22:0]      divisor_1_q;
 
   raypath_fp_div_e8s24_part_1_of_11 u_part_1 (
     .a_i, .b_i, .digits_o (part_1_digits), .remainder_o (part_1_remainder),
@@ -68,20 +70,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 2 ---------------------------------------------------------------
-  logic        valid_2_q;
-  logic [10:0] tag_2_q;
-  logic [4:0]  part_2_digits;
-  logic [24:0] part_2_remainder;
-  logic [8:0]  part_2_exponent;
-  logic        part_2_settled;
-  logic        part_2_sign;
-  logic [22:0] part_2_divisor;
-  logic [4:0]  digits_2_q;
-  logic [24:0] remainder_2_q;
-  logic [8:0]  exponent_2_q;
-  logic        settled_2_q;
-  logic        sign_2_q;
-  logic [22:0] divisor_2_q;
+  logic             valid_2_q;
+  logic [Width-1:0] tag_2_q;
+  logic [4:0]       part_2_digits;
+  logic [24:0]      part_2_remainder;
+  logic [8:0]       part_2_exponent;
+  logic             part_2_settled;
+  logic             part_2_sign;
+  logic [22:0]      part_2_divisor;
+  logic [4:0]       digits_2_q;
+  logic [24:0]      remainder_2_q;
+  logic [8:0]       exponent_2_q;
+  logic             settled_2_q;
+  logic             sign_2_q;
+  logic [22:0]      divisor_2_q;
 
   raypath_fp_div_e8s24_part_2_of_11 u_part_2 (
     .digits_i (digits_1_q), .remainder_i (remainder_1_q), .exponent_i (exponent_1_q),
@@ -111,20 +113,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 3 ---------------------------------------------------------------
-  logic        valid_3_q;
-  logic [10:0] tag_3_q;
-  logic [6:0]  part_3_digits;
-  logic [24:0] part_3_remainder;
-  logic [8:0]  part_3_exponent;
-  logic        part_3_settled;
-  logic        part_3_sign;
-  logic [22:0] part_3_divisor;
-  logic [6:0]  digits_3_q;
-  logic [24:0] remainder_3_q;
-  logic [8:0]  exponent_3_q;
-  logic        settled_3_q;
-  logic        sign_3_q;
-  logic [22:0] divisor_3_q;
+  logic             valid_3_q;
+  logic [Width-1:0] tag_3_q;
+  logic [6:0]       part_3_digits;
+  logic [24:0]      part_3_remainder;
+  logic [8:0]       part_3_exponent;
+  logic             part_3_settled;
+  logic             part_3_sign;
+  logic [22:0]      part_3_divisor;
+  logic [6:0]       digits_3_q;
+  logic [24:0]      remainder_3_q;
+  logic [8:0]       exponent_3_q;
+  logic             settled_3_q;
+  logic             sign_3_q;
+  logic [22:0]      divisor_3_q;
 
   raypath_fp_div_e8s24_part_3_of_11 u_part_3 (
     .digits_i (digits_2_q), .remainder_i (remainder_2_q), .exponent_i (exponent_2_q),
@@ -154,20 +156,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 4 ---------------------------------------------------------------
-  logic        valid_4_q;
-  logic [10:0] tag_4_q;
-  logic [9:0]  part_4_digits;
-  logic [24:0] part_4_remainder;
-  logic [8:0]  part_4_exponent;
-  logic        part_4_settled;
-  logic        part_4_sign;
-  logic [22:0] part_4_divisor;
-  logic [9:0]  digits_4_q;
-  logic [24:0] remainder_4_q;
-  logic [8:0]  exponent_4_q;
-  logic        settled_4_q;
-  logic        sign_4_q;
-  logic [22:0] divisor_4_q;
+  logic             valid_4_q;
+  logic [Width-1:0] tag_4_q;
+  logic [9:0]       part_4_digits;
+  logic [24:0]      part_4_remainder;
+  logic [8:0]       part_4_exponent;
+  logic             part_4_settled;
+  logic             part_4_sign;
+  logic [22:0]      part_4_divisor;
+  logic [9:0]       digits_4_q;
+  logic [24:0]      remainder_4_q;
+  logic [8:0]       exponent_4_q;
+  logic             settled_4_q;
+  logic             sign_4_q;
+  logic [22:0]      divisor_4_q;
 
   raypath_fp_div_e8s24_part_4_of_11 u_part_4 (
     .digits_i (digits_3_q), .remainder_i (remainder_3_q), .exponent_i (exponent_3_q),
@@ -197,20 +199,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 5 ---------------------------------------------------------------
-  logic        valid_5_q;
-  logic [10:0] tag_5_q;
-  logic [12:0] part_5_digits;
-  logic [24:0] part_5_remainder;
-  logic [8:0]  part_5_exponent;
-  logic        part_5_settled;
-  logic        part_5_sign;
-  logic [22:0] part_5_divisor;
-  logic [12:0] digits_5_q;
-  logic [24:0] remainder_5_q;
-  logic [8:0]  exponent_5_q;
-  logic        settled_5_q;
-  logic        sign_5_q;
-  logic [22:0] divisor_5_q;
+  logic             valid_5_q;
+  logic [Width-1:0] tag_5_q;
+  logic [12:0]      part_5_digits;
+  logic [24:0]      part_5_remainder;
+  logic [8:0]       part_5_exponent;
+  logic             part_5_settled;
+  logic             part_5_sign;
+  logic [22:0]      part_5_divisor;
+  logic [12:0]      digits_5_q;
+  logic [24:0]      remainder_5_q;
+  logic [8:0]       exponent_5_q;
+  logic             settled_5_q;
+  logic             sign_5_q;
+  logic [22:0]      divisor_5_q;
 
   raypath_fp_div_e8s24_part_5_of_11 u_part_5 (
     .digits_i (digits_4_q), .remainder_i (remainder_4_q), .exponent_i (exponent_4_q),
@@ -240,20 +242,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 6 ---------------------------------------------------------------
-  logic        valid_6_q;
-  logic [10:0] tag_6_q;
-  logic [14:0] part_6_digits;
-  logic [24:0] part_6_remainder;
-  logic [8:0]  part_6_exponent;
-  logic        part_6_settled;
-  logic        part_6_sign;
-  logic [22:0] part_6_divisor;
-  logic [14:0] digits_6_q;
-  logic [24:0] remainder_6_q;
-  logic [8:0]  exponent_6_q;
-  logic        settled_6_q;
-  logic        sign_6_q;
-  logic [22:0] divisor_6_q;
+  logic             valid_6_q;
+  logic [Width-1:0] tag_6_q;
+  logic [14:0]      part_6_digits;
+  logic [24:0]      part_6_remainder;
+  logic [8:0]       part_6_exponent;
+  logic             part_6_settled;
+  logic             part_6_sign;
+  logic [22:0]      part_6_divisor;
+  logic [14:0]      digits_6_q;
+  logic [24:0]      remainder_6_q;
+  logic [8:0]       exponent_6_q;
+  logic             settled_6_q;
+  logic             sign_6_q;
+  logic [22:0]      divisor_6_q;
 
   raypath_fp_div_e8s24_part_6_of_11 u_part_6 (
     .digits_i (digits_5_q), .remainder_i (remainder_5_q), .exponent_i (exponent_5_q),
@@ -283,20 +285,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 7 ---------------------------------------------------------------
-  logic        valid_7_q;
-  logic [10:0] tag_7_q;
-  logic [17:0] part_7_digits;
-  logic [24:0] part_7_remainder;
-  logic [8:0]  part_7_exponent;
-  logic        part_7_settled;
-  logic        part_7_sign;
-  logic [22:0] part_7_divisor;
-  logic [17:0] digits_7_q;
-  logic [24:0] remainder_7_q;
-  logic [8:0]  exponent_7_q;
-  logic        settled_7_q;
-  logic        sign_7_q;
-  logic [22:0] divisor_7_q;
+  logic             valid_7_q;
+  logic [Width-1:0] tag_7_q;
+  logic [17:0]      part_7_digits;
+  logic [24:0]      part_7_remainder;
+  logic [8:0]       part_7_exponent;
+  logic             part_7_settled;
+  logic             part_7_sign;
+  logic [22:0]      part_7_divisor;
+  logic [17:0]      digits_7_q;
+  logic [24:0]      remainder_7_q;
+  logic [8:0]       exponent_7_q;
+  logic             settled_7_q;
+  logic             sign_7_q;
+  logic [22:0]      divisor_7_q;
 
   raypath_fp_div_e8s24_part_7_of_11 u_part_7 (
     .digits_i (digits_6_q), .remainder_i (remainder_6_q), .exponent_i (exponent_6_q),
@@ -326,20 +328,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 8 ---------------------------------------------------------------
-  logic        valid_8_q;
-  logic [10:0] tag_8_q;
-  logic [19:0] part_8_digits;
-  logic [24:0] part_8_remainder;
-  logic [8:0]  part_8_exponent;
-  logic        part_8_settled;
-  logic        part_8_sign;
-  logic [22:0] part_8_divisor;
-  logic [19:0] digits_8_q;
-  logic [24:0] remainder_8_q;
-  logic [8:0]  exponent_8_q;
-  logic        settled_8_q;
-  logic        sign_8_q;
-  logic [22:0] divisor_8_q;
+  logic             valid_8_q;
+  logic [Width-1:0] tag_8_q;
+  logic [19:0]      part_8_digits;
+  logic [24:0]      part_8_remainder;
+  logic [8:0]       part_8_exponent;
+  logic             part_8_settled;
+  logic             part_8_sign;
+  logic [22:0]      part_8_divisor;
+  logic [19:0]      digits_8_q;
+  logic [24:0]      remainder_8_q;
+  logic [8:0]       exponent_8_q;
+  logic             settled_8_q;
+  logic             sign_8_q;
+  logic [22:0]      divisor_8_q;
 
   raypath_fp_div_e8s24_part_8_of_11 u_part_8 (
     .digits_i (digits_7_q), .remainder_i (remainder_7_q), .exponent_i (exponent_7_q),
@@ -369,20 +371,20 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 9 ---------------------------------------------------------------
-  logic        valid_9_q;
-  logic [10:0] tag_9_q;
-  logic [22:0] part_9_digits;
-  logic [24:0] part_9_remainder;
-  logic [8:0]  part_9_exponent;
-  logic        part_9_settled;
-  logic        part_9_sign;
-  logic [22:0] part_9_divisor;
-  logic [22:0] digits_9_q;
-  logic [24:0] remainder_9_q;
-  logic [8:0]  exponent_9_q;
-  logic        settled_9_q;
-  logic        sign_9_q;
-  logic [22:0] divisor_9_q;
+  logic             valid_9_q;
+  logic [Width-1:0] tag_9_q;
+  logic [22:0]      part_9_digits;
+  logic [24:0]      part_9_remainder;
+  logic [8:0]       part_9_exponent;
+  logic             part_9_settled;
+  logic             part_9_sign;
+  logic [22:0]      part_9_divisor;
+  logic [22:0]      digits_9_q;
+  logic [24:0]      remainder_9_q;
+  logic [8:0]       exponent_9_q;
+  logic             settled_9_q;
+  logic             sign_9_q;
+  logic [22:0]      divisor_9_q;
 
   raypath_fp_div_e8s24_part_9_of_11 u_part_9 (
     .digits_i (digits_8_q), .remainder_i (remainder_8_q), .exponent_i (exponent_8_q),
@@ -412,18 +414,18 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 10 --------------------------------------------------------------
-  logic        valid_10_q;
-  logic [10:0] tag_10_q;
-  logic [25:0] part_10_digits;
-  logic [24:0] part_10_remainder;
-  logic [8:0]  part_10_exponent;
-  logic        part_10_settled;
-  logic        part_10_sign;
-  logic [25:0] digits_10_q;
-  logic [24:0] remainder_10_q;
-  logic [8:0]  exponent_10_q;
-  logic        settled_10_q;
-  logic        sign_10_q;
+  logic             valid_10_q;
+  logic [Width-1:0] tag_10_q;
+  logic [25:0]      part_10_digits;
+  logic [24:0]      part_10_remainder;
+  logic [8:0]       part_10_exponent;
+  logic             part_10_settled;
+  logic             part_10_sign;
+  logic [25:0]      digits_10_q;
+  logic [24:0]      remainder_10_q;
+  logic [8:0]       exponent_10_q;
+  logic             settled_10_q;
+  logic             sign_10_q;
 
   raypath_fp_div_e8s24_part_10_of_11 u_part_10 (
     .digits_i (digits_9_q), .remainder_i (remainder_9_q), .exponent_i (exponent_9_q),
@@ -452,9 +454,9 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   end
 
   // ---- Part 11 --------------------------------------------------------------
-  logic [10:0] tag_11_q;
-  logic [32:0] part_11_result;
-  logic [32:0] result_11_q;
+  logic [Width-1:0] tag_11_q;
+  logic [32:0]      part_11_result;
+  logic [32:0]      result_11_q;
 
   raypath_fp_div_e8s24_part_11_of_11 u_part_11 (
     .digits_i (digits_10_q), .remainder_i (remainder_10_q), .exponent_i (exponent_10_q),
@@ -482,4 +484,4 @@ module raypath_div_pipelined_e8s24_l11_t11 (
   assign result_o = result_11_q;
   assign tag_o    = tag_11_q;
 
-endmodule : raypath_div_pipelined_e8s24_l11_t11
+endmodule : raypath_div_pipelined_e8s24_l11_tagged
