@@ -252,7 +252,7 @@ impl Builder {
     fn push(&self, width: u32, driver: Driver) -> Wire<'_> {
         let mut state = self.state.borrow_mut();
         let id = SignalId(state.module.signals.len() as u32);
-        state.module.signals.push(Signal { name: None, width, driver, comment: None, hint: None });
+        state.module.signals.push(Signal::unnamed(width, driver));
         drop(state);
         if !(1..=64).contains(&width) {
             self.fail_width(id, format!("width {width}, expected 1 to 64"));

@@ -140,7 +140,7 @@ impl Open {
     /// Adds a nameless signal.
     pub fn add(&mut self, width: u32, driver: Driver) -> SignalId {
         let id = SignalId(self.module.signals.len() as u32);
-        self.module.signals.push(Signal { name: None, width, driver, comment: None, hint: None });
+        self.module.signals.push(Signal::unnamed(width, driver));
         id
     }
 

@@ -32,6 +32,13 @@ pub struct Signal {
     pub hint: Option<String>,
 }
 
+impl Signal {
+    /// A signal without a name.
+    pub(crate) fn unnamed(width: u32, driver: Driver) -> Self {
+        Self { name: None, width, driver, comment: None, hint: None }
+    }
+}
+
 /// What drives a signal. Operands of `And` to `Sub`, of comparisons and of multiplexers have equal widths; nothing is
 /// extended or truncated silently.
 #[derive(Debug, Clone, PartialEq)]

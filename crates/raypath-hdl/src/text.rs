@@ -98,8 +98,8 @@ pub struct Template {
     pub text: String,
     /// Parameters, and their values for this module.
     pub parameters: Vec<(&'static str, u32)>,
-    /// The ports of the text besides clock and reset, and the ports of the netlist that are at each, the most significant
-    /// first.
+    /// The ports of the text besides clock and reset, and the ports of the netlist that are at each, the most
+    /// significant first.
     pub ports: Vec<(String, Vec<String>)>,
 }
 
@@ -120,7 +120,7 @@ pub struct Text {
     pub bank: Option<Bank>,
     /// Output ports in a structure, in a module without a bank.
     pub output: Option<PortGroup>,
-    /// The ports whose names begin so, under a comment each. No port has a remark.
+    /// The ports whose names begin so, under a comment each.
     pub channels: Vec<(String, String)>,
     /// The text that instances have.
     pub template: Option<Template>,

@@ -112,15 +112,13 @@ fn ports(module: &Module) -> Vec<String> {
         Some((_, last, _)) => last.truncate(last.len() - 1),
     }
     let mut lines = vec![format!("module {}{parameter} (", module.name())];
-    let declarations = layout::declarations("  ", &rows);
-    let begins = |row: usize| places[row] > 0 && (row == 0 || places[row - 1] != places[row]);
-    match text.channels.is_empty() {
-        true => lines.extend(declarations),
-        // Without remarks there is a line for each row.
-        false => lines.extend(declarations.into_iter().enumerate().flat_map(|(row, line)| {
-            let title = begins(row).then(|| comment(&text.channels[places[row] - 1].1)).into_iter().flatten();
-            title.map(|line| format!("  {line}")).chain([line]).collect::<Vec<_>>()
-        })),
+    let mut last = 0;
+    for (place, declaration) in places.into_iter().zip(layout::each_declaration("  ", &rows)) {
+        if place != last {
+            lines.extend(comment(&text.channels[place - 1].1).into_iter().map(|line| format!("  {line}")));
+        }
+        lines.extend(declaration);
+        last = place;
     }
     lines.push(");".to_string());
     lines

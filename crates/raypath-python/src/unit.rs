@@ -252,8 +252,7 @@ impl Unit {
     ) -> PyResult<Bound<'py, PyAny>> {
         let rays = rays_of(rays, word("flags", flags)?)?;
         scene.get().check(&self.inner)?;
-        self.inner.check(&rays).map_err(exception)?;
-        rays.first().map(|ray| self.inner.query(ray)).transpose().map_err(exception)?;
+        self.inner.check_queries(&rays).map_err(exception)?;
         scene.get().warn_beyond_reach(py, &rays)?;
         let query = Bound::new(py, RayQuery::new(&self.inner, scene, rays))?;
         py.import("raypath._queries")?.getattr("Query")?.call1((query,))

@@ -120,7 +120,7 @@ impl Refit<'_> {
             let address = address.saturating_add(place / of_block * nodes.block_bytes());
             let place = (place % of_block) as usize;
             let block = if place == 0 { self.next_block(address)? } else { self.block(address)? };
-            if LeafTriangle::is_none(block, place, nodes) {
+            if LeafTriangle::is_empty_place(block, place, nodes) {
                 continue;
             }
             if LeafTriangle::geometry(block, nodes) != 0 {

@@ -248,7 +248,7 @@ impl LeafTriangle {
     }
 
     /// Whether there is no triangle at a place of a leaf's block, which a quantised leaf may have.
-    pub fn is_none(block: &[u8], place: usize, nodes: NodeKind) -> bool {
+    pub fn is_empty_place(block: &[u8], place: usize, nodes: NodeKind) -> bool {
         Self::vertices(block, place, nodes) == [0; 3]
     }
 

@@ -5,7 +5,7 @@
 
 use crate::answers::{Answers, ReadyRay};
 use crate::blocks::{
-    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, LeafTriangle, MAX_LEAF, NODE_KIND, NodeKind, child_words, word,
+    BLOCK_BYTES, BOX_KINDS, BOX_WORDS, LeafTriangle, MAX_LEAF, NODE_KIND, NodeKind, VERTEX_WORDS, child_words, word,
 };
 use crate::blocks::{quantised, wide8};
 use crate::candidate::{Candidate, Verdict};
@@ -354,10 +354,19 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
         count: u32,
         [cull_back, cull_front]: [bool; 2],
     ) -> impl Iterator<Item = Hit> + use<M> {
-        let nodes = self.parameters.node;
-        let vertices: [_; 4] = array_of!(i => LeafTriangle::vertices(block, i.min(count as usize - 1), nodes));
-        let coordinate = |i: usize, k: usize| f32::from_bits(word(block, 3 * vertices[i][k / 3] + k % 3));
-        let found = self.now.triangles(self.answers.triangles(), coordinate);
+        let (nodes, triangles) = (self.parameters.node, self.answers.triangles());
+        let place = |i: usize| i.min(count as usize - 1);
+        let number = |k: usize| f32::from_bits(word(block, k));
+        let found = match nodes {
+            // In order: vertices that are looked up take an eighth of the model's time.
+            NodeKind::Wide4 | NodeKind::Wide8 => {
+                self.now.triangles(triangles, |i, k| number(VERTEX_WORDS * place(i) + k))
+            }
+            NodeKind::Quantised => {
+                let vertices: [_; 4] = array_of!(i => LeafTriangle::vertices(block, place(i), nodes));
+                self.now.triangles(triangles, |i, k| number(3 * vertices[i][k / 3] + k % 3))
+            }
+        };
         let indices: [u32; 3] = array_of!(i => word(block, nodes.index_word() + i));
         let indices = if count == 1 { [indices[0]; 3] } else { indices };
         let (t_min, is_flipped, of_block) = (self.ray.t_min, self.is_flipped(), self.indices(block));

@@ -188,7 +188,7 @@ fn triangles_that_share_vertices_share_blocks() {
         for place in 0..places as usize {
             let (block, place) = (&blocks[64 * (place / 2)..][..64], place % 2);
             assert_eq!(LeafTriangle::geometry(block, NODE), 7);
-            if !LeafTriangle::is_none(block, place, NODE) {
+            if !LeafTriangle::is_empty_place(block, place, NODE) {
                 found.push(format!("{:?}", LeafTriangle::of(block, place, NODE)));
             }
         }

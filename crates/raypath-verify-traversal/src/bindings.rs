@@ -148,8 +148,13 @@ pub fn walk(setting: &Setting, _: &Module) -> String {
 }
 
 /// The words that are kept for one context: of the closest hit, and of the state.
-pub fn candidates(setting: &Setting, _: &Module) -> String {
-    let (tested, state, contexts) = (225, 83, bits(setting.unit.parameters.contexts));
+pub fn candidates(setting: &Setting, module: &Module) -> String {
+    let contexts = bits(setting.unit.parameters.contexts);
+    let [tested, state] = ["tested_", "next_"].map(|stem| {
+        let fields =
+            module.inputs().iter().filter(|port| port.name.starts_with(stem) && port.name != "tested_context_i");
+        fields.map(|port| module.signal(port.signal).width).sum::<u32>()
+    });
     format!("  localparam int T = {tested}, V = {state};\n")
         + &of_memory("tested", contexts, tested)
         + &of_memory("states", contexts, state)

@@ -56,7 +56,7 @@ const QUEUES: [(Variant, &str); 9] = [
 ];
 
 /// Whether the properties of a module are all that it must do: of queues, and of the scheduler.
-pub fn are_all(module: &Module) -> bool {
+pub fn properties_suffice(module: &Module) -> bool {
     QUEUES.iter().any(|(_, queue)| *queue == module.name()) || module.name() == "raypath_unit_scheduler"
 }
 
@@ -132,7 +132,8 @@ claims! {
         error: "next_failed = failed & (progress_beat != 2'd3)" => "next_failed = failed";
         error: "failed  = progress_failed | error_i" => "failed  = error_i";
         no_other: "arrived = valid_i & (progress_beat == 2'd3)" => "arrived = progress_beat == 2'd3";
-        kept: ".write_enable_i (valid_i & (progress_beat == 2'd1))" => ".write_enable_i (valid_i & (progress_beat == 2'd2))";
+        kept: ".write_enable_i (valid_i & (progress_beat == 2'd1))"
+            => ".write_enable_i (valid_i & (progress_beat == 2'd2))";
     }
     "raypath_unit_issue" in Plain: include_str!("properties/issue.sv"),
         Some(("u_arrivals.", "raypath_unit_arrivals")), issue; "p_served && p_jobs_q == 2 && !p_failed"; {

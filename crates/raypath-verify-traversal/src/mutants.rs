@@ -1,6 +1,6 @@
 //! Faults in the modules of the unit, and whether checks of modules and the first episodes of the campaign find them.
 
-use super::claims::are_all;
+use super::claims::properties_suffice;
 use super::proofs::Obligation;
 use super::setting::{Setting, Variant};
 use super::{campaign, modules};
@@ -150,7 +150,7 @@ impl Mutant<'_> {
             if check(&refutation) == Some(CheckResult::Fails) {
                 return Ok(Fate::Refuted);
             }
-            if are_all(module) && check(&proof) == Some(CheckResult::Holds) {
+            if properties_suffice(module) && check(&proof) == Some(CheckResult::Holds) {
                 return Ok(Fate::Harmless);
             }
         }

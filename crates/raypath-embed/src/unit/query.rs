@@ -86,12 +86,20 @@ impl Unit {
     /// # Errors
     /// A ray with a value that its port does not have; a unit without `queries = "full"`.
     pub fn query(&self, ray: &UnitRay) -> Result<UnitQuery, Error> {
-        self.check(std::slice::from_ref(ray))?;
+        self.check_queries(std::slice::from_ref(ray))?;
+        Ok(UnitQuery(self.functional.query(&ray.into())))
+    }
+
+    /// The errors of [`query`](Self::query) for these rays.
+    ///
+    /// # Errors
+    /// Those of [`query`](Self::query).
+    pub fn check_queries(&self, rays: &[UnitRay]) -> Result<(), Error> {
         let queries = self.parameters().step.features.queries;
         if queries != Queries::Full {
             return Err(Error::Argument(format!("a query of a unit with queries {queries}, expected full")));
         }
-        Ok(UnitQuery(self.functional.query(&ray.into())))
+        self.check(rays)
     }
 
     /// As [`trace`](Self::trace), and `decide` decides about the candidates of each ray, with its index.

@@ -96,7 +96,7 @@ fn memory_input(module: &mut Module, memory: usize, input: usize) -> Option<&mut
 
 /// A nameless signal after all others.
 fn add(module: &mut Module, width: u32, driver: Driver) -> SignalId {
-    module.signals.push(Signal { name: None, width, driver, comment: None, hint: None });
+    module.signals.push(Signal::unnamed(width, driver));
     SignalId(module.signals.len() as u32 - 1)
 }
 
@@ -115,7 +115,7 @@ fn substitute(module: &mut Module, signal: SignalId, operand: SignalId, driver: 
 /// The operands in `driver` have their old positions.
 fn insert(module: &mut Module, before: SignalId, width: u32, driver: Driver) -> (SignalId, SignalId) {
     let shift = |id: &mut SignalId| *id = after(before, *id);
-    module.signals.insert(before.index(), Signal { name: None, width, driver, comment: None, hint: None });
+    module.signals.insert(before.index(), Signal::unnamed(width, driver));
     for signal in &mut module.signals {
         signal.driver.renumber(|id| after(before, id));
     }

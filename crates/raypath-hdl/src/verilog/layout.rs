@@ -54,25 +54,28 @@ pub fn table<const N: usize>(indent: &str, rows: &[[String; N]]) -> Vec<String> 
     rows.iter().map(line).collect()
 }
 
-/// Types and names in columns, each with a remark. A remark that does not fit beside its row is printed above it.
+/// Types and names in columns, each with a remark.
 pub fn declarations(indent: &str, rows: &[(String, String, Option<String>)]) -> Vec<String> {
+    each_declaration(indent, rows).concat()
+}
+
+/// The same, the lines of each row apart. A remark that does not fit beside its row is printed above it.
+pub fn each_declaration(indent: &str, rows: &[(String, String, Option<String>)]) -> Vec<Vec<String>> {
     let cells: Vec<[String; 2]> = rows.iter().map(|(kind, name, _)| [kind.clone(), name.clone()]).collect();
     let lines = table(indent, &cells);
     let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0);
-    let mut text = Vec::new();
-    for (line, (.., note)) in lines.into_iter().zip(rows) {
-        match note.as_ref().map(|note| remark(note)) {
-            Some(note) if longest + 1 + note.chars().count() <= COLUMNS => text.push(format!("{line:longest$} {note}")),
+    let declaration =
+        |(line, (.., note)): (String, &(_, _, Option<String>))| match note.as_ref().map(|note| remark(note)) {
+            Some(note) if longest + 1 + note.chars().count() <= COLUMNS => vec![format!("{line:longest$} {note}")],
             Some(note) => {
                 let note = note.trim_start().trim_start_matches("// ");
                 let next = format!("{indent}// ");
-                text.extend(comment(note).into_iter().flat_map(|line| break_line(format!("{indent}{line}"), &next)));
-                text.push(line);
+                let above = comment(note).into_iter().flat_map(|line| break_line(format!("{indent}{line}"), &next));
+                above.chain([line]).collect()
             }
-            None => text.push(line),
-        }
-    }
-    text
+            None => vec![line],
+        };
+    lines.into_iter().zip(rows).map(declaration).collect()
 }
 
 /// Breaks a line that is too long at spaces; what follows is indented by four more.

@@ -15,9 +15,13 @@ use std::sync::Arc;
 /// The words of a block that its jobs need, in order: those of triangles or, at the same places, boxes, and those of a
 /// matrix.
 pub fn job_words(step: StepParameters) -> Vec<usize> {
-    let matrix = (0..MATRIX_WORDS).map(|number| step.node.matrix_word(number)).filter(|_| step.features.instances);
-    let words: BTreeSet<usize> = triangle_words(step.node).chain(matrix).collect();
+    let words: BTreeSet<usize> = triangle_words(step.node).chain(matrix_words(step)).collect();
     words.into_iter().collect()
+}
+
+/// Those of a matrix, which a block has with instances.
+pub fn matrix_words(StepParameters { node, features, .. }: StepParameters) -> impl Iterator<Item = usize> {
+    (0..if features.instances { MATRIX_WORDS } else { 0 }).map(move |number| node.matrix_word(number))
 }
 
 /// The numbers of a matrix.

@@ -1,6 +1,6 @@
 //! The boxes of compressed nodes.
 
-use super::blocks::MATRIX_WORDS;
+use super::blocks::{MATRIX_WORDS, matrix_words};
 use super::connect::hold;
 use super::parameters::UnitParameters;
 use super::queue::bits;
@@ -17,10 +17,10 @@ pub const LATENCY: u32 = 2;
 
 /// The module `raypath_unit_decoder`, between the memory of the blocks and the datapath.
 ///
-/// A job, `context_i` with `place_i` and `is_last_i`, enters where `valid_i` and `ready_o` are 1. It is at the outputs two
-/// cycles later, with `valid_o`, until `ready_i` is 1: with the bounds of four boxes, `bound_…_o`, and with the words of
-/// a triangle or of an instance, `word_…_o`. Where `read_o` is 1, the job of `read_context_o` is at the outputs in the
-/// next cycle, so that what is kept for it can be read.
+/// A job, `context_i` with `place_i` and `is_last_i`, enters where `valid_i` and `ready_o` are 1. It is at the outputs
+/// two cycles later, with `valid_o`, until `ready_i` is 1: with the bounds of four boxes, `bound_…_o`, and with the
+/// words of a triangle or of an instance, `word_…_o`. Where `read_o` is 1, the job of `read_context_o` is at the outputs
+/// in the next cycle, so that what is kept for it can be read.
 ///
 /// Its block is `word_…_i`, of which the children `exists_…_i` exist, in the first nine words with the triangle of the
 /// job. With eight children, the last job of a block that `is_node_i` has the upper four, the place of both is
@@ -148,11 +148,10 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
 }
 
 /// The words of a block that the decoder reads, besides children: those with bases, exponents, bounds and a matrix.
-pub fn words(StepParameters { node, features, .. }: StepParameters) -> BTreeSet<usize> {
+pub fn words(step: StepParameters) -> BTreeSet<usize> {
     let first = wide8::bound_byte(0, 0, 0) / 4;
-    let bounds = if node == NodeKind::Wide8 { first..first + 2 * BOX_WORDS } else { 0..0 };
-    let matrix = (0..MATRIX_WORDS).map(|number| node.matrix_word(number)).filter(|_| features.instances);
-    (0..node.child_word()).chain(bounds).chain(matrix).collect()
+    let bounds = if step.node == NodeKind::Wide8 { first..first + 2 * BOX_WORDS } else { 0..0 };
+    (0..step.node.child_word()).chain(bounds).chain(matrix_words(step)).collect()
 }
 
 /// A register of a stage.

@@ -1,6 +1,6 @@
 //! The distances of triangles, and the closest hit of each block.
 
-use super::connect::{Named, hold, keep, named};
+use super::connect::{Named, hold, keep, named, select};
 use super::division::{Division, Operands, divide};
 use super::parameters::UnitParameters;
 use super::queue::bits;
@@ -66,8 +66,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
 
     m.section("The closest hit of its block so far");
     let place = tag_q.bits(2 + place_bits, 3);
-    let lower = place.bit(0).mux(indices[1], indices[0]);
-    let index = indices.get(2).map_or(lower, |third| place.bit(1).mux(*third, lower));
+    let index = select(place, &indices);
     let rest = [("is_hit", tag_q.bit(1)), ("t", t), ("is_clockwise", tag_q.bit(0)), ("primitive", index)];
     let rest = rest.into_iter().chain(geometry.map(|geometry| ("geometry", geometry)));
     let known: Named<'_> = rest.map(|(name, wire)| named(name, wire)).chain(fraction).collect();

@@ -1,6 +1,6 @@
 //! The jobs of a block.
 
-use super::connect::Inputs;
+use super::connect::{Inputs, select};
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use crate::blocks::{NodeKind, VERTEX_NUMBERS, VERTEX_WORDS};
@@ -28,7 +28,7 @@ pub fn issue(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<Ar
     let arrived_context = m.input("arrived_context_i", width);
     let count = m.input("count_i", 2);
     let words: Vec<Wire<'_>> = triangle_words(nodes).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
-    let is_instance = has_transform(step).then(|| m.input("is_instance_i", 1));
+    let is_instance = tells_instances(step).then(|| m.input("is_instance_i", 1));
     let ready = m.input("ready_i", 1);
     let fault_taken = m.input("fault_taken_i", 1);
 
@@ -97,7 +97,7 @@ pub fn triangle_words(nodes: NodeKind) -> impl Iterator<Item = usize> {
 }
 
 /// Whether the issue tells the triangles of a block from an instance.
-pub fn has_transform(StepParameters { node, features, .. }: StepParameters) -> bool {
+pub fn tells_instances(StepParameters { node, features, .. }: StepParameters) -> bool {
     node == NodeKind::Quantised && features.instances
 }
 
@@ -125,9 +125,8 @@ fn of_vertices<'m>(words: &[Wire<'m>], is_second: Wire<'m>) -> Vec<Wire<'m>> {
     let vertices = [0, 1, 2].map(vertex);
     m.unused("unused_numbers", &[numbers.upper(32 - 6)]);
     let coordinate = |k: usize| {
-        let of = |number: usize| words[3 * number + k % 3];
-        let [low, high] = [0, 1].map(|bit| vertices[k / 3].bit(bit));
-        high.mux(low.mux(of(3), of(2)), low.mux(of(1), of(0)))
+        let of_each: [Wire<'m>; SHARED_VERTICES] = std::array::from_fn(|number| words[3 * number + k % 3]);
+        select(vertices[k / 3], &of_each)
     };
     (0..VERTEX_WORDS).map(coordinate).collect()
 }

@@ -1,5 +1,6 @@
 //! Words that a reset clears, and that are read in the cycle.
 
+use super::connect::select;
 use super::queue::{bits, template};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
@@ -25,15 +26,4 @@ pub fn registers(name: &str, depth: u32, columns: &[(&str, u32)]) -> Result<Arc<
     let doc = "Words that a reset clears. The word at the address is shown in the same cycle.";
     m.template(template("raypath_registers", doc, text, depth, columns, &["write_enable_i", "address_i"], &[]));
     builder.finish()
-}
-
-/// The value of this number, by a tree of multiplexers.
-fn select<'m>(number: Wire<'m>, values: &[Wire<'m>]) -> Wire<'m> {
-    let mut layer = values.to_vec();
-    for bit in 0..number.width() {
-        let pairs = layer.chunks(2);
-        layer =
-            pairs.map(|pair| if let [low, high] = pair { number.bit(bit).mux(*high, *low) } else { pair[0] }).collect();
-    }
-    layer[0]
 }

@@ -7,7 +7,7 @@ use super::connect::{Inputs, Named, Outputs, keep, named, prefixed};
 use super::decoder::{decoder, words};
 use super::distance::distance;
 use super::hits::{hits, is_shown as is_of_hit};
-use super::issue::{has_transform, issue, triangle_words};
+use super::issue::{issue, tells_instances, triangle_words};
 use super::jobs::Jobs;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
@@ -239,7 +239,7 @@ impl<'m> Top<'m> {
 
     fn issue(&self, ports: &Ports<'m>, blocks: &Outputs<'m>, issued: &Named<'m>) -> Result<Outputs<'m>, UnitError> {
         let (back, step) = (&self.back, self.parameters.step);
-        let inputs = if has_transform(step) { &issued[..2] } else { &issued[..1] };
+        let inputs = if tells_instances(step) { &issued[..2] } else { &issued[..1] };
         let words = triangle_words(step.node).map(|number| format!("word_{number}"));
         let ready = back.decoder.map_or(back.job_ready, |[.., ready]| ready);
         let issue = Inputs::default()
