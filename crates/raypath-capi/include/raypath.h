@@ -964,6 +964,10 @@ typedef struct {
    * The tag of its response.
    */
   uint32_t mem_req_tag;
+  /**
+   * 1: no ray is in the unit.
+   */
+  uint32_t idle;
 } raypath_unit_outputs;
 
 /**
@@ -1022,6 +1026,11 @@ typedef struct {
    * Not 0: the request at the outputs is taken.
    */
   uint32_t mem_req_ready;
+  /**
+   * Not 0: all rays are dropped, from the next cycle until the output `idle` is 1. Beats and verdicts that are owed
+   * must still come.
+   */
+  uint32_t flush;
 } raypath_unit_inputs;
 
 /**

@@ -45,6 +45,9 @@ pub struct UnitInputs {
     pub hit_ready: u32,
     /// Not 0: the request at the outputs is taken.
     pub mem_req_ready: u32,
+    /// Not 0: all rays are dropped, from the next cycle until the output `idle` is 1. Beats and verdicts that are owed
+    /// must still come.
+    pub flush: u32,
 }
 
 /// The outputs of a unit in a cycle. The members are its ports. Those of a channel that is not valid are 0.
@@ -73,6 +76,8 @@ pub struct UnitOutputs {
     pub mem_req_addr: u64,
     /// The tag of its response.
     pub mem_req_tag: u32,
+    /// 1: no ray is in the unit.
+    pub idle: u32,
 }
 
 /// What a unit did since its last reset.
@@ -211,6 +216,7 @@ pub unsafe extern "C" fn raypath_unit_model_step(model: *mut UnitModel, inputs: 
             verdict: (inputs.answer_valid != 0).then_some((inputs.answer_tag, inputs.answer)),
             request_ready: inputs.mem_req_ready != 0,
             response,
+            flush: inputs.flush != 0,
         })?;
         Ok(RAYPATH_OK)
     })
@@ -368,6 +374,7 @@ impl From<embed::UnitOutputs> for UnitOutputs {
             hit_id,
             hit,
             ray_ready: outputs.ray_ready.into(),
+            idle: outputs.is_idle.into(),
             hit_valid: outputs.hit.is_some().into(),
             cand_valid: outputs.candidate.is_some().into(),
             cand_tag,

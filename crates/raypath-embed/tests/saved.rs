@@ -92,6 +92,7 @@ impl System {
             Response { tag: *tag, is_error: false, beat: &scene[*left * width..][..width] }
         });
         let inputs = UnitInputs {
+            flush: false,
             ray: random.random_bool(0.3).then_some((3, &ray)),
             hit_ready: random.random_bool(0.8),
             candidate_ready: random.random_bool(0.8),

@@ -88,6 +88,8 @@ impl UnitModel {
     ///     verdict: the tag of a candidate that was taken, whether it is accepted, whether its ray ends, and the distance
     ///         of the hit of a box.
     ///     request_ready: whether a request at the outputs is taken. It stays there otherwise.
+    ///     flush: drops all rays, from the next cycle until the unit is idle. Beats and verdicts that are owed must
+    ///         still come.
     ///
     /// Returns:
     ///     The outputs in the cycle that has passed: with the defaults, what the unit has delivered.
@@ -97,7 +99,7 @@ impl UnitModel {
     ///         no request that waits for one; a verdict with the tag of no candidate that was taken. Then no cycle
     ///         passes.
     #[pyo3(signature = (ray = None, ray_id = 0, *, response = None, response_error = false, hit_ready = true,
-        candidate_ready = true, verdict = None, request_ready = true))]
+        candidate_ready = true, verdict = None, request_ready = true, flush = false))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn step(
         &mut self,
@@ -109,6 +111,7 @@ impl UnitModel {
         candidate_ready: bool,
         verdict: Option<(u32, bool, bool, f32)>,
         request_ready: bool,
+        flush: bool,
     ) -> PyResult<UnitOutputs> {
         let verdict =
             verdict.map(|(tag, accept, end, t)| (tag, UnitVerdict { accept: accept.into(), end: end.into(), t }));
@@ -121,7 +124,7 @@ impl UnitModel {
         let ray = ray.as_ref().map(|ray| (ray_id, ray));
         let outputs = self.inner().outputs();
         self.inner()
-            .step(&embed::UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response })
+            .step(&embed::UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response })
             .map_err(exception)?;
         Ok(UnitOutputs(outputs))
     }
@@ -202,6 +205,7 @@ impl UnitModel {
                     Response { tag: request.tag, is_error: beat.is_none(), beat: beat.unwrap_or(&nothing) }
                 });
                 let inputs = embed::UnitInputs {
+                    flush: false,
                     ray: rays.get(accepted).map(|ray| (number(accepted), ray)),
                     hit_ready: at(hit_ready),
                     candidate_ready: true,
@@ -321,6 +325,12 @@ pub struct UnitOutputs(embed::UnitOutputs);
 
 #[pymethods]
 impl UnitOutputs {
+    /// Whether no ray is in the unit.
+    #[getter]
+    fn idle(&self) -> bool {
+        self.0.is_idle
+    }
+
     /// Whether a ray is accepted in this cycle.
     #[getter]
     fn ray_ready(&self) -> bool {

@@ -99,19 +99,21 @@ impl UnitEngine for UnitModel {
         let Self { timing, contexts } = self;
         let (request, candidate) = (timing.request(contexts), timing.candidate());
         let candidate = candidate.and_then(|tag| contexts.candidate(tag));
-        UnitOutputs { ray_ready: timing.ray_ready(), hit: timing.hit(), candidate, request, response_ready: true }
+        let (is_idle, ray_ready, hit) = (timing.is_idle(), timing.ray_ready(), timing.hit());
+        UnitOutputs { is_idle, ray_ready, hit, candidate, request, response_ready: true }
     }
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         // The steps of this cycle read the blocks before a beat of this cycle is written.
         let Self { timing, contexts } = self;
-        let UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response } = inputs;
+        let UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response } = inputs;
         let arrived = response.as_ref().and_then(|response| contexts.arrive(response));
         let (hit_ready, request_ready) = (*hit_ready, *request_ready);
         let ray = ray.as_ref().filter(|_| timing.ray_ready());
         let decided = verdict.and_then(|(tag, verdict)| contexts.decide(tag, verdict));
         let candidate_ready = *candidate_ready;
-        timing.cycle(contexts, &Edge { ray, hit_ready, candidate_ready, decided, request_ready, arrived });
+        let flush = *flush;
+        timing.cycle(contexts, &Edge { flush, ray, hit_ready, candidate_ready, decided, request_ready, arrived });
     }
 
     fn reset(&mut self) {

@@ -14,7 +14,7 @@ use crate::model::{Hit, HitInstance, Memory, RayRequest, Reply};
 use crate::native::MAX_STACK;
 use crate::query::{Front, instance_flags, ray_flags};
 use crate::state::{NO_INSTANCE, status};
-use crate::step::{StepParameters, UnitFeatures, VISIT_LIMIT};
+use crate::step::{StepParameters, UnitFeatures};
 use crate::words::LEVELS;
 use raypath_model::{NearestFirst, OneRay};
 use raypath_ops::{Binary32, Ray, Rules, Word, array_of};
@@ -530,11 +530,12 @@ impl<'d, M: Memory + ?Sized> Descent<'d, M> {
     /// A block of the memory, which counts as so many nodes and triangles.
     #[inline(always)]
     fn fetch(&mut self, address: u32, nodes: u32, triangles: u32) -> Result<&'d [u8], u32> {
-        if self.nodes.max(self.triangles) >= VISIT_LIMIT {
+        let limit = self.parameters.node_limit;
+        if nodes > 0 && self.nodes >= limit && limit > 0 {
             return Err(status::LIMIT);
         }
-        self.nodes += nodes;
-        self.triangles += triangles;
+        self.nodes = self.nodes.wrapping_add(nodes);
+        self.triangles = self.triangles.wrapping_add(triangles);
         let address = RayRequest::address(self.ray.base, address);
         self.memory.block(address, self.parameters.node.block_bytes()).map_err(|_| status::MEMORY)
     }

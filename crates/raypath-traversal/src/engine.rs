@@ -5,13 +5,15 @@ use crate::hardware::UnitNetlist;
 use crate::model::{Hit, HitInstance, RayRequest, Reply};
 use crate::query::Queries;
 use crate::state::status;
-use crate::step::UnitFeatures;
+use crate::step::{NODE_LIMIT, UnitFeatures};
 use raypath_hdl::{Error, InputPort, Module, OutputPort, Simulator};
 use std::sync::Arc;
 
 /// The inputs of the unit in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UnitInputs<'b> {
+    /// All rays are dropped, from the next cycle until [`UnitOutputs::is_idle`].
+    pub flush: bool,
     /// A ray that is offered, with its number.
     pub ray: Option<(u64, RayRequest)>,
     /// Whether a hit is taken.
@@ -40,6 +42,8 @@ pub struct Response<'b> {
 /// The outputs of the unit in a cycle. They depend on the cycles before alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitOutputs {
+    /// No ray is in the unit.
+    pub is_idle: bool,
     /// Whether a ray is accepted.
     pub ray_ready: bool,
     /// The number of a ray that has ended, and its reply.
@@ -97,7 +101,9 @@ impl NetlistEngine {
     /// # Errors
     /// A netlist that cannot be compiled.
     pub fn new(unit: &UnitNetlist) -> Result<Self, Error> {
-        Self::of_module(&unit.top)
+        let mut engine = Self::of_module(&unit.top)?;
+        engine.ports = engine.ports.with_node_limit(unit.parameters.step.node_limit);
+        Ok(engine)
     }
 
     /// A module with the ports of a unit, such as a unit with a fault, after a reset.
@@ -167,6 +173,7 @@ pub struct UnitPorts {
     features: UnitFeatures,
     /// Rays have a base.
     has_base: bool,
+    node_limit: u32,
 }
 
 impl UnitPorts {
@@ -181,14 +188,20 @@ impl UnitPorts {
         let (barycentrics, instances) = (has("hit_u_o"), has("hit_instance_o"));
         let features = UnitFeatures { barycentrics, instances, queries, ..UnitFeatures::OFF };
         let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
-        Self { widths, features, has_base: has("ray_base_i") }
+        Self { widths, features, has_base: has("ray_base_i"), node_limit: NODE_LIMIT }
+    }
+
+    /// The same with another [`StepParameters::node_limit`](crate::StepParameters::node_limit).
+    #[must_use]
+    pub fn with_node_limit(self, node_limit: u32) -> Self {
+        Self { node_limit, ..self }
     }
 
     /// The words of the inputs. Inputs of channels that are not valid have the values of `arbitrary`.
     pub fn words(&self, inputs: &UnitInputs<'_>, mut arbitrary: impl FnMut() -> u64) -> Vec<u64> {
-        let Self { widths, features, has_base } = self;
+        let Self { widths, features, has_base, node_limit } = self;
         let mut words: Vec<u64> = Vec::with_capacity(widths.len());
-        words.push(inputs.ray.is_some().into());
+        words.extend([inputs.flush.into(), u64::from(*node_limit), inputs.ray.is_some().into()]);
         let has_mask = features.has("cull_mask");
         match inputs.ray {
             Some((id, ray)) => {
@@ -230,7 +243,8 @@ impl UnitPorts {
     pub fn outputs(&self, words: &[u64]) -> UnitOutputs {
         let mut words = words.iter().copied();
         let mut word = || words.next().unwrap_or(0);
-        let ray_ready = word() == 1;
+        // After `idle_o` comes its inverse.
+        let (is_idle, _, ray_ready) = (word() == 1, word(), word() == 1);
         let (has_hit, id, end) = (word() == 1, word(), word() as u32);
         let number = |word: u64| f32::from_bits(word as u32);
         let mut hit = Hit { t: number(word()), primitive: word() as u32, ..Hit::default() };
@@ -250,6 +264,7 @@ impl UnitPorts {
         let candidate = if self.features.has_candidates() { self.candidate(&mut word) } else { None };
         let (has_request, address, tag) = (word() == 1, word(), word() as u32);
         UnitOutputs {
+            is_idle,
             ray_ready,
             hit: has_hit.then_some((id, reply)),
             candidate,

@@ -41,5 +41,5 @@ pub use netlist::{Netlist, Value};
 pub use query::{
     Culls, Front, InstanceFlags, InstanceWords, ParseNameError, Queries, RayFlags, instance_flags, ray_flags,
 };
-pub use step::{HalfStep, StepParameters, UnitFeatures, VISIT_LIMIT, finish, prepare, step};
+pub use step::{HalfStep, NODE_LIMIT, StepParameters, UnitFeatures, finish, prepare, step};
 pub use words::{LEVELS, Levels, WordCircuit, WordMethods};

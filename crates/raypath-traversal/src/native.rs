@@ -37,13 +37,14 @@ pub(crate) fn step(
     answer: Answer<Binary32>,
     stack: &mut Stack,
 ) -> Request<Binary32> {
+    let node_limit = Word::truncate(parameters.node_limit);
     let (restarting, first_hit) = (state.restarting, answer.hit.0[0]);
     for_each_value!(restarting, {
         // If the ray is not on its way down again, it descends exactly if the first child is hit.
         for_each_value!(first_hit, {
             let Flags([_, second, third, fourth]) = answer.hit;
             let answer = Answer { hit: Flags([first_hit, second, third, fourth]), ..answer };
-            let half = prepare(Binary32, parameters, RayState { restarting, ..*state }, answer);
+            let half = prepare(Binary32, parameters, RayState { restarting, ..*state }, answer, node_limit);
             end(parameters, state, half, stack)
         })
     })

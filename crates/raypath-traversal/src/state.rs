@@ -52,7 +52,7 @@ pub mod status {
     pub const MEMORY: u32 = 4;
     /// The scene is not a tree of at most 64 levels, or has an instance that the ray cannot enter.
     pub const SCENE: u32 = 5;
-    /// The ray has read as many nodes or triangles as it may.
+    /// The ray has read as many nodes as it may.
     pub const LIMIT: u32 = 6;
 
     /// Whether a ray that ends so has a hit.

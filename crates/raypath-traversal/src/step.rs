@@ -33,6 +33,9 @@ pub struct StepParameters {
     pub node: NodeKind,
     /// The order of the vertices of a front face.
     pub front: Front,
+    /// The nodes and instances that a ray may read, a bound on the work in a scene that is not a tree: where it would
+    /// read one more, it ends with [`status::LIMIT`]. 0 for no bound. It is an input of the hardware.
+    pub node_limit: u32,
     /// Optional parts.
     pub features: UnitFeatures,
 }
@@ -55,7 +58,13 @@ pub struct UnitFeatures {
 impl Default for StepParameters {
     /// A stack of 8 entries and wide nodes, without optional parts.
     fn default() -> Self {
-        Self { stack: 8, node: NodeKind::Wide4, front: Front::default(), features: UnitFeatures::OFF }
+        Self {
+            stack: 8,
+            node: NodeKind::Wide4,
+            front: Front::default(),
+            node_limit: NODE_LIMIT,
+            features: UnitFeatures::OFF,
+        }
     }
 }
 
@@ -117,9 +126,8 @@ impl UnitFeatures {
 const CANDIDATES: [&str; 9] =
     ["t_min", "is_box", "leaf_is", "has_more", "verdict", "repeats", "asks", "after_", "accepted"];
 
-/// The number of nodes and of triangles, each, after which a ray ends with [`status::LIMIT`]. It bounds the work of a
-/// ray in a scene that is not a tree.
-pub const VISIT_LIMIT: u32 = 1 << 24;
+/// The usual [`StepParameters::node_limit`], more than any ray needs.
+pub const NODE_LIMIT: u32 = 1 << 24;
 
 bundle! {
     /// A step before the stack is read: what the state and the answer determine.
@@ -150,6 +158,8 @@ bundle! {
         pub pops: Bit<C>,
         /// There is no pending level.
         pub is_empty: Bit<C>,
+        /// The ray has read as many nodes as it may.
+        pub is_at_limit: Bit<C>,
         /// The stack has the deepest pending level.
         pub is_on_stack: Bit<C>,
         /// The deepest pending level.
@@ -175,12 +185,19 @@ pub fn step<C: WordCircuit>(
     answer: Answer<C>,
     top: Group<C>,
 ) -> (RayState<C>, Request<C>) {
-    finish(c, parameters, prepare(c, parameters, state, answer), top)
+    let half = prepare(c, parameters, state, answer, c.word(parameters.node_limit));
+    finish(c, parameters, half, top)
 }
 
 /// The first half of a [`step`], which does not read the stack.
 #[inline(always)]
-pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState<C>, answer: Answer<C>) -> HalfStep<C> {
+pub fn prepare<C: WordCircuit>(
+    c: C,
+    parameters: StepParameters,
+    state: RayState<C>,
+    answer: Answer<C>,
+    node_limit: Word<C, 32>,
+) -> HalfStep<C> {
     let features = parameters.features;
     let starts = answer.kind.is(answer::START);
     let has_boxes = answer.kind.is(answer::BOXES);
@@ -254,6 +271,7 @@ pub fn prepare<C: WordCircuit>(c: C, parameters: StepParameters, state: RayState
         ends,
         pops,
         is_empty: state.pending.is_empty(),
+        is_at_limit: !state.nodes.less(node_limit) & !node_limit.is(0),
         is_on_stack: !deepest.less(state.base) & !leads_to_lost_space,
         deepest,
         parent,
@@ -332,8 +350,8 @@ pub fn finish<C: WordCircuit>(
     // A node with eight children may be visited once more.
     let keeps_address = if parameters.node == NodeKind::Wide8 { fetches_leaf | fetches_node } else { fetches_leaf };
 
-    let is_over_limit = !(state.nodes.less(c.word(VISIT_LIMIT)) & state.triangles.less(c.word(VISIT_LIMIT)));
-    let is_over_limit = (fetches_node | fetches_instance | fetches_leaf) & is_over_limit;
+    let visits_node = fetches_node | fetches_instance;
+    let is_over_limit = visits_node & half.is_at_limit;
     let is_missing = visits & target.is_missing;
     let is_invalid = visits & !target.is_node & !target.is_leaf & !is_instance & !target.is_missing;
     let errs = half.failed | is_invalid | is_over_limit;
@@ -356,7 +374,7 @@ pub fn finish<C: WordCircuit>(
         base: restarts.select(c.word(0), base),
         restarting: restarts | state.restarting,
         target: restarts.select(deepest, state.target),
-        nodes: (fetches_node | fetches_instance).select(state.nodes.plus_constant(1), state.nodes),
+        nodes: (visits_node & !half.is_at_limit).select(state.nodes.plus_constant(1), state.nodes),
         triangles: fetches_leaf.select(state.triangles.plus(count.widened()), state.triangles),
         leaf_address: keeps_address.select(address, state.leaf_address),
         leaf_left: fetches_leaf.select(left, state.leaf_left),

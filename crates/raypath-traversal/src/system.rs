@@ -122,6 +122,7 @@ pub fn simulate<M: Memory + ?Sized>(
         unit.cycle(
             &mut contexts,
             &Edge {
+                flush: false,
                 ray: ray.as_ref().filter(|_| enters),
                 hit_ready: true,
                 candidate_ready: true,

@@ -62,7 +62,10 @@ pub struct Environment<'s, M: ?Sized = [u8]> {
     /// The candidate that waits, and verdicts with the cycle from which on they are given.
     held_candidate: Option<AskedCandidate>,
     verdicts: Vec<(u64, u32, Verdict)>,
-    /// How many rays were inside at resets.
+    /// A flush begins in this cycle, or rays are dropped until the unit is idle.
+    asks_flush: bool,
+    flushes: bool,
+    /// How many rays were inside at resets and flushes.
     lost: usize,
     latencies: BTreeMap<u64, u64>,
     failed: u64,
@@ -121,6 +124,8 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
             held_candidate: None,
             verdicts: Vec::new(),
             replies: BTreeMap::new(),
+            asks_flush: false,
+            flushes: false,
             lost: 0,
             latencies: BTreeMap::new(),
             failed: 0,
@@ -138,9 +143,9 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
         Self { address_mask: address_mask.into(), ..self }
     }
 
-    /// Whether all rays have ended, or were lost in a reset.
+    /// Whether all rays have ended, or were lost in a reset or a flush.
     pub fn is_done(&self) -> bool {
-        self.replies.len() + self.lost == self.rays.len()
+        !self.flushes && self.replies.len() + self.lost == self.rays.len()
     }
 
     /// The cycles so far.
@@ -163,14 +168,21 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
         self.now - self.moved
     }
 
-    /// Resets all engines. The memory forgets its requests, and rays inside are lost.
-    pub fn reset(&mut self, engines: &mut [&mut dyn UnitEngine]) {
+    /// Asks for a flush in the next cycle: rays that are then inside are lost.
+    pub fn flush(&mut self) {
+        self.asks_flush = true;
+    }
+
+    /// Resets all engines. Rays inside are lost, and the memory forgets its requests if it is reset as well.
+    pub fn reset(&mut self, engines: &mut [&mut dyn UnitEngine], with_memory: bool) {
         engines.iter_mut().for_each(|engine| engine.reset());
-        self.pending.clear();
+        if with_memory {
+            self.pending.clear();
+        }
         self.lost += self.inside.len();
         self.inside.clear();
         self.held = (None, None);
-        (self.held_candidate, self.offers) = (None, false);
+        (self.held_candidate, self.offers, self.asks_flush, self.flushes) = (None, false, false, false);
         self.verdicts.clear();
         self.now += 1;
     }
@@ -179,7 +191,8 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
     ///
     /// # Errors
     /// The engines differ; a hit is that of no ray inside; a request is not aligned or has a tag in use; a hit or a
-    /// request that waits changes; a beat is not taken.
+    /// request that waits changes; a beat is not taken; the unit is idle with a ray inside or a response under way, or
+    /// it is not idle without.
     pub fn cycle(&mut self, engines: &mut [&mut dyn UnitEngine]) -> Result<(), ProtocolError> {
         let now = self.now;
         let mut all = engines.iter_mut().map(|engine| engine.outputs());
@@ -201,6 +214,18 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
                 *until = now + self.random.random_range(1..=self.longest_stall);
             }
         }
+        let owed = self.pending.len() + self.verdicts.len();
+        if self.flushes && outputs.is_idle {
+            self.lost += self.inside.len();
+            self.inside.clear();
+            self.flushes = false;
+        }
+        if (outputs.is_idle != self.inside.is_empty() || outputs.is_idle && owed > 0) && !self.flushes {
+            let (idle, inside) = (outputs.is_idle, self.inside.len());
+            return Err(wrong(format!(
+                "cycle {now}: idle is {idle}, with {inside} rays inside and {owed} answers owed"
+            )));
+        }
         if !outputs.response_ready {
             return Err(wrong(format!("cycle {now}: a beat is not taken")));
         }
@@ -221,7 +246,8 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
             beat.extend(&block[number * beat_bytes..][..beat_bytes]);
             Response { tag: *tag, is_error: is_error || *is_missing, beat: &beat }
         });
-        let inputs = UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response };
+        let flush = std::mem::take(&mut self.asks_flush);
+        let inputs = UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response };
         engines.iter_mut().for_each(|engine| engine.cycle(&inputs));
 
         if let Some(k) = chosen {
@@ -246,6 +272,10 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
         }
         self.held = (outputs.hit.filter(|_| !hit_ready), outputs.request.filter(|_| !request_ready));
         self.take(outputs, hit_ready, request_ready)?;
+        if flush {
+            self.flushes = true;
+            (self.held.0, self.held_candidate) = (None, None);
+        }
         self.now += 1;
         Ok(())
     }

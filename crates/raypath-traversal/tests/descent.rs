@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_ops::{BoxBits, Rules};
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::traffic::{BlockScene, TwoLevelScene, random_ray, verdict_of};
-use raypath_traversal::{Candidate, Front, Queries, RayRequest, StepParameters, Unit, UnitFeatures};
+use raypath_traversal::{Candidate, Front, NODE_LIMIT, Queries, RayRequest, StepParameters, Unit, UnitFeatures};
 
 const RULES: [Rules; 3] = [Rules::Paper, Rules::Bounds(BoxBits(8)), Rules::Bounds(BoxBits::DEFAULT)];
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
@@ -35,7 +35,9 @@ fn rays_take_the_way_of_the_steps() {
         let queries = [Queries::None, Queries::Flags, Queries::Full, Queries::Full][random.random_range(0..4)];
         let root = scene.give_geometries(root, queries, &mut random);
         let front = [Front::CounterClockwise, Front::Clockwise][random.random_range(0..2)];
-        let step = StepParameters { node: scene.1, front, features: UnitFeatures { queries, ..features }, stack: 32 };
+        let node_limit = if random.random_ratio(1, 4) { random.random_range(0..12) } else { NODE_LIMIT };
+        let features = UnitFeatures { queries, ..features };
+        let step = StepParameters { node: scene.1, front, node_limit, features, stack: 32 };
         let rules = RULES[random.random_range(0..RULES.len())];
         // Where the memory ends early, rays end with an error.
         let bytes = if random.random_ratio(1, 5) { &scene.0[..scene.0.len() / 2] } else { &scene.0[..] };

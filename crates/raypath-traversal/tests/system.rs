@@ -50,7 +50,16 @@ fn every_cycle(
         let beat = beats.pop_front_if(|(due, _)| *due <= now);
         let response = beat.map(|(_, response)| response);
         let verdict = decided.take();
-        unit.cycle(&UnitInputs { ray, hit_ready: true, candidate_ready: true, verdict, request_ready: true, response });
+        let (ready, flush) = (true, false);
+        unit.cycle(&UnitInputs {
+            flush,
+            ray,
+            hit_ready: ready,
+            candidate_ready: ready,
+            verdict,
+            request_ready: ready,
+            response,
+        });
         decided = candidate.map(|asked| (asked.tag, Verdict::without_shaders(&asked.candidate)));
         if ray_ready {
             ray = user.next_ray();

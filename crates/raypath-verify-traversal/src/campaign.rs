@@ -10,8 +10,8 @@ use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::status;
 use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray, verdict_of};
 use raypath_traversal::{
-    Front, LEVELS, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures,
-    UnitModel, UnitNetlist, UnitParameters,
+    Front, LEVELS, NODE_LIMIT, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit, UnitEngine,
+    UnitFeatures, UnitModel, UnitNetlist, UnitParameters,
 };
 use raypath_verify::Error;
 use serde::{Deserialize, Serialize};
@@ -57,9 +57,15 @@ const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures:
 type Setting = (Control, UnitParameters);
 
 const fn unit(control: Control, [contexts, stack, memory_width, id_width, divider_latency]: [u32; 5]) -> Setting {
-    let step =
-        StepParameters { stack, node: NodeKind::Wide4, front: Front::CounterClockwise, features: UnitFeatures::OFF };
+    let (node, front) = (NodeKind::Wide4, Front::CounterClockwise);
+    let step = StepParameters { stack, node, front, node_limit: NODE_LIMIT, features: UnitFeatures::OFF };
     (control, UnitParameters { contexts, step, memory_width, divider_latency, id_width, address_width: 32 })
+}
+
+/// Rays end with an error before they have read many nodes.
+const fn short((control, mut parameters): Setting) -> Setting {
+    parameters.step.node_limit = 12;
+    (control, parameters)
 }
 
 const fn with((control, mut parameters): Setting, node: NodeKind, features: UnitFeatures) -> Setting {
@@ -75,7 +81,11 @@ const UNITS: [Setting; 8] = [
     unit(Control::Skid, [64, 16, 1024, 7, 5]),
     with(unit(Control::Skid, [32, 32, 512, 16, 27]), NodeKind::Wide4, WEIGHTS),
     with(unit(Control::Credit, [9, 2, 128, 4, 9]), NodeKind::Wide8, UnitFeatures { instances: true, ..WEIGHTS }),
-    with(unit(Control::Skid, [40, 2, 512, 16, 2]), NodeKind::Quantised, UnitFeatures { instances: true, ..WEIGHTS }),
+    with(
+        short(unit(Control::Skid, [40, 2, 512, 16, 2])),
+        NodeKind::Quantised,
+        UnitFeatures { instances: true, ..WEIGHTS },
+    ),
     with(unit(Control::Skid, [12, 2, 512, 5, 3]), NodeKind::Wide4, UnitFeatures::ALL),
 ];
 
@@ -152,8 +162,8 @@ impl Episode {
             .with_longest_stall(self.longest_stall)
     }
 
-    /// Drives engines in lockstep until all rays have ended or were lost in a reset, in at most so many cycles. Returns
-    /// the number of resets.
+    /// Drives engines in lockstep until all rays have ended or were lost, in at most so many cycles. Returns the number
+    /// of resets and flushes.
     ///
     /// # Errors
     /// What the engines did wrong.
@@ -167,7 +177,11 @@ impl Episode {
         let mut resets = 0;
         while !environment.is_done() {
             if random.random_range(0..65_536) < self.resets && resets < MOST_RESETS {
-                environment.reset(engines);
+                // A unit that is flushed is not reset: both lose the rays inside.
+                match random.random() {
+                    true => environment.reset(engines, true),
+                    false => environment.flush(),
+                }
                 resets += 1;
             }
             environment.cycle(engines).map_err(|problem| problem.to_string())?;

@@ -153,8 +153,9 @@ claims! {
     }
     "raypath_unit_walk" in Plain: include_str!("properties/walk.sv"),
         Some(("u_continues.", "raypath_unit_continues")), walk; "p_continues && p_follows_q && p_ahead_q == 0"; {
-        one_request: "finishes_q & (finish_request_kind == 2'd1)" => "finish_request_kind == 2'd1";
-        one_request: "finishes_q & (finish_request_kind == 2'd1)" => "1'b0";
+        one_request: "again_asked = goes_on & (finish_request_kind == 2'd1)" => "again_asked = finish_request_kind == 2'd1";
+        one_request: "goes_on = finishes_q & ~flush_i" => "goes_on = finishes_q";
+        flushed: "finishes_q & (flush_i | " => "finishes_q & (";
         two_cycles: "<= prepared_context_q;" => "<= read_context;";
         two_cycles: "prepares_q <= read;" => "prepares_q <= read & ~start_valid_i;";
         own_context: "(block_context_i &\n      {3{scheduler_grant[1]}})"

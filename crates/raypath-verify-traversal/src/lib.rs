@@ -149,8 +149,8 @@ fn check_modules(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Str
     Ok(format!("{count} modules checked by themselves"))
 }
 
-/// The share of the faults without equivalents that must be found, in hundredths.
-const LEAST_SCORE: usize = 99;
+/// The faults without equivalents of which one may survive.
+const A_SURVIVOR_IN: usize = 100;
 
 /// Puts faults into the unit's modules, and looks for each by the check of its module, episodes and proofs.
 fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
@@ -179,9 +179,9 @@ fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Str
     verdict.remarks.extend(survivors);
     let found = checked + killed + refuted;
     // The score is that of the whole sample: a few faults of a shard may have a low one.
-    if 100 * found < LEAST_SCORE * (found + left) && !request.parts.is_saved() {
-        let of = found + left;
-        verdict.failures.push(format!("{found} of {of} faults are found, expected at least {LEAST_SCORE} %"));
+    let (of, most) = (found + left, (found + left).div_ceil(A_SURVIVOR_IN));
+    if left > most && !request.parts.is_saved() {
+        verdict.failures.push(format!("{left} of {of} faults survive, expected at most {most}"));
     }
     Ok(format!(
         "of the {all} faults in {} modules, {checked} found by checks of their modules, {killed} by the campaign, \

@@ -5,7 +5,7 @@ use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
 use raypath_tools::ToolError;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::{Front, Queries, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
+use raypath_traversal::{Front, NODE_LIMIT, Queries, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 use raypath_verify::Error;
 use std::sync::Arc;
 
@@ -16,6 +16,7 @@ pub(super) const LEAST: UnitParameters = UnitParameters {
         stack: 2,
         node: NodeKind::Wide4,
         front: Front::CounterClockwise,
+        node_limit: NODE_LIMIT,
         features: UnitFeatures::OFF,
     },
     memory_width: 256,

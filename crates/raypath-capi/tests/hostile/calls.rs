@@ -329,6 +329,7 @@ impl Caller {
                         cand_ready: flags & 8,
                         hit_ready: flags & 8,
                         mem_req_ready: flags & 16,
+                        flush: u32::from(flags == 255),
                     };
                     raypath_unit_model_step(made.model, &inputs)
                 }

@@ -50,6 +50,8 @@ state! { UnitModel { inner, awaited, undecided, stalls } }
 /// The inputs of the unit in a cycle.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct UnitInputs<'i> {
+    /// Drops all rays, from the next cycle until the unit is idle.
+    pub flush: bool,
     /// A ray that is offered, with its number. It is accepted if the outputs say so.
     pub ray: Option<(u64, &'i UnitRay)>,
     /// Whether the hit at the outputs is taken.
@@ -67,6 +69,8 @@ pub struct UnitInputs<'i> {
 /// The outputs of the unit in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitOutputs {
+    /// No ray is in the unit.
+    pub is_idle: bool,
     /// Whether a ray is accepted.
     pub ray_ready: bool,
     /// The number of a ray that has ended, and its hit.
@@ -97,9 +101,10 @@ impl UnitModel {
 
     /// The outputs in this cycle.
     pub fn outputs(&self) -> UnitOutputs {
-        let unit::UnitOutputs { ray_ready, hit, candidate, request, .. } = self.outputs;
+        let unit::UnitOutputs { is_idle, ray_ready, hit, candidate, request, .. } = self.outputs;
         let candidate = candidate.map(|asked| (asked.tag, asked.id, (&asked.candidate).into()));
-        UnitOutputs { ray_ready, hit: hit.map(|(id, reply)| (id, (&reply).into())), candidate, request }
+        let hit = hit.map(|(id, reply)| (id, (&reply).into()));
+        UnitOutputs { is_idle, ray_ready, hit, candidate, request }
     }
 
     /// The clock edge that ends this cycle.
@@ -121,7 +126,7 @@ impl UnitModel {
             let problem = format!("a verdict with the tag {tag}, expected that of a candidate that was taken");
             return Err(Error::Argument(problem));
         }
-        let UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response } = *inputs;
+        let UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response } = *inputs;
         if let Some(tag) = verdict.map(|(tag, _)| tag as usize) {
             self.undecided[tag] = false;
         }
@@ -131,7 +136,15 @@ impl UnitModel {
         let verdict = verdict.map(|(tag, verdict)| (tag, verdict.into()));
         let ray = ray.map(|(id, ray)| (id, ray.into()));
         self.count(ray.is_some(), hit_ready, request_ready, 1);
-        self.inner.cycle(&unit::UnitInputs { ray, hit_ready, candidate_ready, verdict, request_ready, response });
+        self.inner.cycle(&unit::UnitInputs {
+            flush,
+            ray,
+            hit_ready,
+            candidate_ready,
+            verdict,
+            request_ready,
+            response,
+        });
         if let Some(awaited) = response.and_then(|response| self.awaited.get_mut(response.tag as usize)) {
             *awaited -= 1;
         }
@@ -141,6 +154,10 @@ impl UnitModel {
             *awaited = 8 * self.parameters.step.node.block_bytes() / self.parameters.memory_width;
         }
         self.outputs = self.inner.outputs();
+        if self.outputs.is_idle {
+            // Rays that were flushed have no hits.
+            self.stalls.rays_inside = 0;
+        }
         Ok(())
     }
 

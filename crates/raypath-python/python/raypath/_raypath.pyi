@@ -86,6 +86,7 @@ class _UnitParameters(TypedDict):
     id_width: int
     address_width: int
     divider_latency: int
+    node_limit: int
     node: Literal["wide4", "quantised", "wide8"]
     instances: bool
     nested_instances: bool
@@ -831,9 +832,8 @@ class Unit:
         preset: the name of a configuration of the datapath, as for ``Datapath``. Distance operations are left out.
         config: in place of a preset, the path of a TOML file, or its text, which contains "=".
         flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
-            ``node``, ``memory_width``, ``id_width``, ``address_width``, ``divider_latency``, ``front``, and those of the
-            datapath.
-            ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
+            ``node``, ``memory_width``, ``id_width``, ``address_width``, ``divider_latency``, ``node_limit``,
+            ``front``, and those of the datapath. ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
             masks and flags of instances; ``queries="full"`` for candidates and procedural boxes, too.
 
     Raises:
@@ -859,6 +859,7 @@ class Unit:
         id_width: int = ...,
         address_width: int = ...,
         divider_latency: int = ...,
+        node_limit: int = ...,
         node: Literal["wide4", "quantised", "wide8"] = ...,
         instances: bool = ...,
         nested_instances: bool = ...,
@@ -1001,6 +1002,9 @@ class Unit:
 class UnitOutputs:
     """The outputs of a ``UnitModel`` in a cycle."""
     @property
+    def idle(self) -> bool:
+        """Whether no ray is in the unit."""
+    @property
     def ray_ready(self) -> bool:
         """Whether a ray is accepted in this cycle."""
     @property
@@ -1061,6 +1065,7 @@ class UnitModel:
         candidate_ready: bool = True,
         verdict: tuple[int, bool, bool, float] | None = None,
         request_ready: bool = True,
+        flush: bool = False,
     ) -> UnitOutputs:
         """One clock cycle.
 
@@ -1076,6 +1081,8 @@ class UnitModel:
             verdict: the tag of a candidate that was taken, whether it is accepted, whether its ray ends, and the distance
                 of the hit of a box.
             request_ready: whether a request at the outputs is taken. It stays there otherwise.
+            flush: drops all rays, from the next cycle until the unit is idle. Beats and verdicts that are owed must
+                still come.
 
         Returns:
             The outputs in the cycle that has passed: with the defaults, what the unit has delivered.

@@ -25,6 +25,12 @@ impl<T: Copy + Default, const N: usize> Ring<T, N> {
         self.entered == self.left
     }
 
+    /// The number of items.
+    #[inline]
+    pub fn count(&self) -> u32 {
+        self.entered.wrapping_sub(self.left)
+    }
+
     /// The oldest item. An empty ring has an arbitrary one.
     #[inline]
     pub fn first(&self) -> T {
@@ -33,7 +39,7 @@ impl<T: Copy + Default, const N: usize> Ring<T, N> {
 
     /// The items, oldest first.
     pub fn items(&self) -> impl Iterator<Item = T> + '_ {
-        (0..self.entered.wrapping_sub(self.left)).map(|place| self.items[self.left.wrapping_add(place) as usize % N])
+        (0..self.count()).map(|place| self.items[self.left.wrapping_add(place) as usize % N])
     }
 
     /// Removes the oldest item if `leaves`. Returns it in any case.
@@ -59,7 +65,7 @@ impl<T: Copy + Default, const N: usize> Ring<T, N> {
 
 impl<T: State + Copy + Default, const N: usize> State for Ring<T, N> {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        let mut count = self.entered.wrapping_sub(self.left);
+        let mut count = self.count();
         count.pass(words);
         if count as usize > N {
             return words.refuse();
@@ -134,6 +140,12 @@ impl<const N: usize> Queues<N> {
     #[inline]
     pub fn front(&self, queue: usize) -> Option<u8> {
         self.is_ready(queue).then(|| self.queues[queue].first())
+    }
+
+    /// The words of a queue, also those that are not yet at the output.
+    #[inline]
+    pub fn count(&self, queue: usize) -> u32 {
+        self.queues[queue].count()
     }
 
     /// Whether a queue has each word, also one that is not yet at the output.

@@ -16,6 +16,8 @@ use std::mem::replace;
 #[derive(Debug, Clone)]
 pub struct Timing {
     parameters: UnitParameters,
+    /// Rays are dropped.
+    flushes: bool,
     /// The contexts from here on were never used.
     fresh: u32,
     queues: Queues<QUEUES>,
@@ -85,6 +87,8 @@ pub struct UnitCounts {
 
 /// What enters the unit in a cycle, and what may leave it.
 pub struct Edge<'r> {
+    /// All rays are dropped from now on.
+    pub flush: bool,
     /// A ray that enters, for which [`Timing::ray_ready`] was true, with its number.
     pub ray: Option<&'r (u64, RayRequest)>,
     pub hit_ready: bool,
@@ -129,7 +133,7 @@ state! {
     Timing {
         fresh, queues, busy, yields, set_up, offer, has_offer, following, flow, jobs, operands, has_operands, divider,
         triangle, has_triangle, scheduler, prepared, finished, hit, candidate, cycles, offered, asked,
-        restarts, job_stalls | decoder, weights
+        restarts, job_stalls, flushes | decoder, weights
     }
 }
 
@@ -139,6 +143,7 @@ impl Timing {
         let features = parameters.step.features;
         Self {
             parameters,
+            flushes: false,
             fresh: 0,
             queues: Queues::new(),
             busy: 0,
@@ -189,13 +194,18 @@ impl Timing {
     /// The ray that has ended, and its reply.
     #[inline]
     pub fn hit(&self) -> Option<(u64, Reply)> {
-        self.hit
+        self.hit.filter(|_| !self.flushes)
+    }
+
+    /// No ray is in the unit.
+    pub fn is_idle(&self) -> bool {
+        self.queues.count(FREE) == self.fresh && self.hit.is_none()
     }
 
     /// The context whose candidate is at the port.
     #[inline]
     pub fn candidate(&self) -> Option<u8> {
-        self.candidate
+        self.candidate.filter(|_| !self.flushes)
     }
 
     /// The request for a block.
@@ -234,18 +244,20 @@ impl Timing {
     pub fn cycle(&mut self, contexts: &mut impl Contexts, edge: &Edge<'_>) {
         // Each part reads what the parts after it had in registers, because it comes after them.
         let chosen = self.choose();
+        let flushes = edge.flush | (self.flushes & !self.is_idle());
         let enters_instance = self.rays(contexts, edge.ray);
-        self.hits(contexts, edge.hit_ready);
+        self.hits(contexts, edge.hit_ready | self.flushes);
         self.candidates(edge);
         self.walk(contexts, chosen, edge.request_ready);
         self.jobs(enters_instance);
         self.blocks(contexts, edge.arrived);
         self.queues.edge();
+        self.flushes = flushes;
         self.cycles = self.cycles.saturating_add(1);
     }
 
     pub fn reset(&mut self) {
-        self.fresh = 0;
+        (self.fresh, self.flushes) = (0, false);
         (self.busy, self.yields) = (0, false);
         self.set_up.clear();
         self.queues.clear();
@@ -269,7 +281,7 @@ impl Timing {
 
     #[inline]
     pub fn ray_ready(&self) -> bool {
-        (self.busy <= 1) & self.has_context() && self.transformed().is_none()
+        (self.busy <= 1) & !self.flushes & self.has_context() && self.transformed().is_none()
     }
 
     /// The contexts with a ray.
@@ -371,11 +383,15 @@ impl Timing {
         if !self.parameters.step.features.has_candidates() {
             return;
         }
-        if edge.candidate_ready || self.candidate.is_none() {
+        // A candidate of a ray that is dropped is its own verdict.
+        let dropped = self.candidate.filter(|_| self.flushes);
+        let ready = if self.flushes { edge.decided.is_none() } else { edge.candidate_ready };
+        if ready || self.candidate.is_none() {
             self.candidate = self.queues.front(CANDIDATES);
             self.queues.pop_if(CANDIDATES, self.candidate.is_some());
         }
-        self.queues.push_if(DECIDED, edge.decided.unwrap_or_default(), edge.decided.is_some());
+        let decided = edge.decided.or(dropped);
+        self.queues.push_if(DECIDED, decided.unwrap_or_default(), decided.is_some());
     }
 
     /// Shows the hit of a ray, and frees its context.
@@ -390,7 +406,8 @@ impl Timing {
         self.queues.pop_if(REQUESTS, request_ready & self.queues.is_ready(REQUESTS));
         let Answered { context, source } = replace(&mut self.finished, replace(&mut self.prepared, chosen));
         let steps = source != 0;
-        let Asked { kind: asked, restarts, .. } = contexts.step(context, steps);
+        let Asked { kind, restarts, .. } = contexts.step(context, steps);
+        let asked = if self.flushes { AskedKind::Nothing } else { kind };
         let queue = match asked {
             AskedKind::Block => REQUESTS,
             AskedKind::Again | AskedKind::Begin => AGAINS,

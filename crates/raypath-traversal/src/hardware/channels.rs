@@ -8,7 +8,7 @@ use crate::blocks::NodeKind;
 use crate::netlist::{Netlist, from_wires};
 use crate::set_up::Entry;
 use crate::step::StepParameters;
-use raypath_hdl::{Builder, Forward, Wire};
+use raypath_hdl::{Builder, Forward, Register, Wire};
 
 /// The ports of the unit that belong together, by the beginning of their names.
 pub const CHANNELS: [(&str, &str); 4] = [
@@ -23,13 +23,20 @@ pub const OF_MEMORY: [(&str, &str); 2] = [
     ("mem_rsp_", "A beat of a block, those of a tag in order of addresses; ready is always 1."),
 ];
 
-/// The inputs of the unit, by channel.
+/// The inputs of the unit, by channel. While rays are dropped, none enters, and hits and candidates are taken.
 pub struct Ports<'m> {
+    pub flush: Wire<'m>,
+    pub node_limit: Wire<'m>,
+    /// Rays are dropped.
+    pub flushes: Register<'m>,
     /// A ray: whether there is one, and its fields besides those of the entry.
     pub ray_valid: Wire<'m>,
-    /// With candidates: whether one is taken, and a verdict with its context.
+    /// With candidates: whether one is taken, and a verdict with its context. While rays are dropped, a candidate that
+    /// is taken is its own verdict, if there is no other.
     pub candidate_ready: Option<Wire<'m>>,
     pub verdict: Named<'m>,
+    /// With candidates: whether one is at the port, and its context.
+    pub candidate: Option<[Forward<'m>; 2]>,
     pub ray: Named<'m>,
     pub entry: Entry<Netlist<'m>>,
     pub hit_ready: Wire<'m>,
@@ -45,18 +52,38 @@ impl<'m> Ports<'m> {
     pub fn new(m: &'m Builder, parameters: UnitParameters) -> Self {
         let UnitParameters { contexts, memory_width, id_width, step, .. } = parameters;
         let base = parameters.base_bits();
-        let ray_valid = m.input("ray_valid_i", 1);
+        let flush = m.input("flush_i", 1).comment("all rays are dropped, until idle_o is 1");
+        let node_limit = m.input("node_limit_i", 32).comment("the nodes that a ray may read; 0: any number");
+        let flushes = m.register("flushes_q", 1).reset_to(0);
+        let ray_valid = m.input("ray_valid_i", 1) & !flushes.wire();
         let ray = [("id", id_width), ("flags", 10), ("cull_mask", 8), ("root", 32)].into_iter();
         let ray = ray.filter(|(name, _)| step.features.has(name)).chain((base > 0).then_some(("base", base)));
         let ray = ray.map(|(name, width)| named(name, m.input(&format!("ray_{name}_i"), width))).collect();
         let port = |field: &str, width| m.input(&format!("{}_i", field.replace("ray_t_m", "ray_tm")), width);
+        let (entry, hit_ready) = (from_wires(m, "ray", port), m.input("hit_ready_i", 1) | flushes.wire());
+        let (mut candidate_ready, mut candidate, mut verdict) = (None, None, Vec::new());
+        if step.features.has_candidates() {
+            let ready = m.input("cand_ready_i", 1);
+            verdict = self::verdict(m, contexts);
+            let [valid, tag] =
+                [("candidate_valid", 1), ("candidate_tag", bits(contexts))].map(|(name, width)| m.forward(name, width));
+            let given = verdict[0].1;
+            candidate_ready = Some(flushes.wire().mux(!given, ready));
+            verdict[0].1 = given | (flushes.wire() & valid.wire());
+            verdict[1].1 = given.mux(verdict[1].1, tag.wire());
+            candidate = Some([valid, tag]);
+        }
         Self {
+            flush,
+            node_limit,
+            flushes,
             ray_valid,
             ray,
-            entry: from_wires(m, "ray", port),
-            hit_ready: m.input("hit_ready_i", 1),
-            candidate_ready: step.features.has_candidates().then(|| m.input("cand_ready_i", 1)),
-            verdict: if step.features.has_candidates() { verdict(m, contexts) } else { Vec::new() },
+            entry,
+            hit_ready,
+            candidate_ready,
+            verdict,
+            candidate,
             request_ready: m.input("mem_req_ready_i", 1),
             beat_valid: m.input("mem_rsp_valid_i", 1),
             beat_context: m.input("mem_rsp_tag_i", bits(contexts)),

@@ -5,8 +5,8 @@ use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
 /// The module `raypath_unit_contexts`: a free context is at `context_o` if `valid_o` is 1, and `take_i` takes it.
-/// `release_i` returns `released_i`. After a reset all are free, and each is given out once before one is given out
-/// again.
+/// `release_i` returns `released_i`; `is_idle_o` is 1 if none is taken. After a reset all are free, and each is given
+/// out once before one is given out again.
 pub fn contexts(count: u32) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_contexts");
     let m = &builder;
@@ -25,6 +25,10 @@ pub fn contexts(count: u32) -> Result<Arc<Module>, Error> {
     let free = queue("raypath_unit_free", count, &[("context", width)])?;
     let inputs = [("push_i", release), ("context_i", released), ("pop_i", take & !is_fresh)];
     let outputs = m.instance("u_free", &free, &inputs);
+    let taken = m.register("taken_q", width + 1).reset_to(0);
+    let step = m.concat(&[(!take & release).replicate(width), take ^ release]);
+    taken.next(taken.wire() + step);
+    m.output("is_idle_o", taken.wire().is(0));
     m.output("valid_o", is_fresh | outputs[0]);
     m.output("context_o", is_fresh.mux(fresh.wire(), outputs[1]));
     builder.finish()

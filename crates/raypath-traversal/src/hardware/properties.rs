@@ -11,9 +11,10 @@ impl UnitNetlist {
         // Writing to a String cannot fail.
         let _ = write!(text, "\n{}", include_str!("properties/ports.sv"));
         let channels = [
-            ("hit", "hit_valid_o", "hit_ready_i", self.outputs("hit_")),
+            // A flush drops what waits.
+            ("hit", "hit_valid_o", "hit_ready_i | flush_i", self.outputs("hit_")),
             ("request", "mem_req_valid_o", "mem_req_ready_i", self.outputs("mem_req_")),
-            ("candidate", "cand_valid_o", "cand_ready_i", self.outputs("cand_")),
+            ("candidate", "cand_valid_o", "cand_ready_i | flush_i", self.outputs("cand_")),
         ];
         for (name, valid, ready, data) in channels.into_iter().filter(|(.., data)| !data.is_empty()) {
             let width: u32 = data.iter().map(|(_, width)| width).sum();
@@ -33,7 +34,7 @@ impl UnitNetlist {
             text,
             "\nbind raypath_unit raypath_unit_ports_properties #(\n    .Contexts ({contexts}),\n    .ContextWidth \
              ({}),\n    .Beats ({beats})\n  ) u_ports_properties (\n    .clk_i (clk_i),\n    .rst_ni (rst_ni),\n    \
-             .enters_i (ray_valid_i & ray_ready_o),\n    .leaves_i (hit_valid_o & hit_ready_i),\n    .requests_i \
+             .idle_i (idle_o),\n    .enters_i (ray_valid_i & ray_ready_o),\n    .leaves_i (hit_valid_o & hit_ready_i),\n    .requests_i \
              (mem_req_valid_o & mem_req_ready_i),\n    .request_tag_i (mem_req_tag_o),\n    .arrives_i \
              (mem_rsp_valid_i & mem_rsp_ready_o),\n    .arrival_tag_i (mem_rsp_tag_i),\n    .asks_i ({}),\n    \
              .asked_tag_i ({}),\n    .answers_i ({}),\n    .answer_tag_i ({})\n  );\n",

@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// A ray enters where `valid_i` and `ready_o` are 1: `entry_…_i`, `id_i`, `flags_i`, `cull_mask_i`, `root_i` and, with
 /// addresses of more than 32 bits, `base_i`. When its constants are known, `start_valid_o` is 1 with `start_context_o`
 /// and `start_is_refused_o`, until `start_taken_i` is 1. `release_i` frees the context `hit_context_i`, whose `id_o` is
-/// read at the same time.
+/// read at the same time. `is_idle_o` is 1 if no context has a ray.
 ///
 /// Readers give an enable and a context, and have their words in the next cycle: `job_read_i` for `job_…_o`,
 /// `limits_read_i` for `limits_…_o`, `step_read_i` for `begin_…_o`, and with candidates `candidate_read_i` for
@@ -163,6 +163,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .place(m, "u_starts", &queue("raypath_unit_starts", count, columns)?);
 
     m.output("ready_o", ready);
+    m.output("is_idle_o", free.port("is_idle"));
     for name in ["valid"].into_iter().chain(columns.iter().map(|(name, _)| *name)) {
         m.output(&format!("start_{name}_o"), start.port(name));
     }

@@ -18,7 +18,8 @@ pub fn prepare_module(parameters: StepParameters) -> Result<Arc<Module>, Error> 
     m.doc("What happens to a ray when an answer arrives, before its stack is read.");
     let state: RayState<Netlist<'_>> = inputs_with(&m, "state", parameters);
     let answer: Answer<Netlist<'_>> = inputs_with(&m, "answer", parameters);
-    outputs_with(&m, "half", &prepare(Netlist(&m), parameters, state, answer), parameters);
+    let node_limit = Word::new(Netlist(&m), Value(m.input("node_limit_i", 32)));
+    outputs_with(&m, "half", &prepare(Netlist(&m), parameters, state, answer, node_limit), parameters);
     m.finish()
 }
 

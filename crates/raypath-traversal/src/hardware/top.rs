@@ -138,7 +138,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let closest = top.distance(&jobs, &outcome)?;
 
     m.section("Steps");
-    let walk = top.walk(&jobs, &outcome, &closest, &ports.verdict)?;
+    let walk = top.walk(&jobs, &outcome, &closest, &ports)?;
     if let Some(is_transform) = outcome.is_transform {
         top.drive_instances(&jobs, &outcome, is_transform, &walk);
     }
@@ -146,7 +146,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     m.section("Requests to the memory, and hits");
     let (request, hits) = (top.requests(&ports, &walk)?, top.hits(&ports, &walk)?);
     let candidates = top.candidates(&ports, &walk)?;
-    top.outputs(&jobs.rays, &request, &hits, candidates.as_ref());
+    top.outputs(&ports, &jobs.rays, &request, &hits, candidates.as_ref());
     Ok(builder.finish()?)
 }
 
@@ -406,7 +406,7 @@ impl<'m> Top<'m> {
         jobs: &Jobs<'m>,
         outcome: &Outcome<'m>,
         closest: &Outputs<'m>,
-        verdict: &Named<'m>,
+        ports_of_unit: &Ports<'m>,
     ) -> Result<Outputs<'m>, UnitError> {
         let Outcome { ports, is_boxes, context, .. } = outcome;
         let Jobs { rays, blocks, issue, .. } = jobs;
@@ -434,7 +434,9 @@ impl<'m> Top<'m> {
             .ports(prefixed("start", rays.under("start")))
             .ports(prefixed("child", blocks.under("child")))
             .ports(prefixed("begin", rays.under("begin")))
-            .ports(prefixed("verdict", verdict.clone()))
+            .ports(prefixed("verdict", ports_of_unit.verdict.clone()))
+            .port("flush", ports_of_unit.flushes.wire())
+            .port("node_limit", ports_of_unit.node_limit)
             .place(self.m, "u_walk", &walk(self.parameters)?);
         for (forward, name) in back.taken.iter().zip(["start", "block", "fault"]) {
             forward.drive(walk.port(&format!("{name}_taken")));
@@ -495,10 +497,22 @@ impl<'m> Top<'m> {
     }
 
     /// The outputs of the unit, by channel.
-    fn outputs(&self, rays: &Outputs<'m>, request: &Outputs<'m>, hits: &Outputs<'m>, candidates: Option<&Outputs<'m>>) {
+    fn outputs(
+        &self,
+        ports: &Ports<'m>,
+        rays: &Outputs<'m>,
+        request: &Outputs<'m>,
+        hits: &Outputs<'m>,
+        candidates: Option<&Outputs<'m>>,
+    ) {
         let (m, StepParameters { features, node, .. }) = (self.m, self.parameters.step);
-        m.output("ray_ready_o", rays.port("ready"));
-        m.output("hit_valid_o", hits.port("valid"));
+        let (flushes, has_hit) = (ports.flushes.wire(), hits.port("valid"));
+        let idle = (rays.port("is_idle") & !has_hit).named("idle");
+        ports.flushes.next(ports.flush | (flushes & !idle));
+        m.output("idle_o", idle);
+        m.output("busy_o", !idle);
+        m.output("ray_ready_o", rays.port("ready") & !flushes);
+        m.output("hit_valid_o", has_hit & !flushes);
         m.output("hit_id_o", rays.port("id"));
         let UnitFeatures { barycentrics, instances, .. } = features;
         let optional = [
@@ -513,8 +527,10 @@ impl<'m> Top<'m> {
         let always = ["status", "t", "primitive", "t_num", "t_denom", "back_face", "nodes", "triangles"];
         always.into_iter().chain(optional).for_each(|name| m.output(&format!("hit_{name}_o"), hits.port(name)));
         if let Some(candidates) = candidates {
-            m.output("cand_valid_o", candidates.port("valid"));
-            m.output("cand_tag_o", candidates.port("tag"));
+            let shown = ["valid", "tag"].map(|name| candidates.port(name));
+            ports.candidate.iter().flatten().zip(shown).for_each(|(forward, wire)| forward.drive(wire));
+            m.output("cand_valid_o", shown[0] & !flushes);
+            m.output("cand_tag_o", shown[1]);
             let shown = rays.under("candidate").into_iter().chain(candidates.under("cand"));
             shown.into_iter().for_each(|(name, wire)| m.output(&format!("cand_{name}_o"), wire));
             m.output("answer_ready_o", m.constant(1, 1));

@@ -27,7 +27,8 @@ use std::sync::Arc;
 /// instances, `start_is_instance_i`. Where `read_o` is 1, the child words and the ray of `read_context_o` are read,
 /// which are there in the next cycle: `child_…_i`, `begin_…_i`.
 ///
-/// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`. To fetch: `block_o`, the
+/// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`; with `ends_o` in any case
+/// if `flush_i` is 1. To fetch: `block_o`, the
 /// address without its offset, `count_o` and, with instances, `is_instance_o` and `is_inside_o`. At the end:
 /// `status_o` and what a hit shows of the state, `next_…_o`.
 pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
@@ -37,6 +38,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.doc("The steps of rays: one in each cycle, in three stages.");
     let width = bits(count);
     let constant = |width: u32, value: u32| m.constant(width, value.into());
+    let (flush, node_limit) = (m.input("flush_i", 1), m.input("node_limit_i", 32));
     let given = |name: &str| {
         let valid = m.input(&format!("{name}_valid_i"), 1);
         (valid, m.input(&format!("{name}_context_i"), width))
@@ -169,11 +171,11 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .chain(children)
         .chain(closest)
         .chain(verdict_words);
-    let half = Inputs::default().ports(state).ports(prefixed("answer", answer_words.collect())).place(
-        m,
-        "u_prepare",
-        &prepare_module(step)?,
-    );
+    let half = Inputs::default()
+        .ports(state)
+        .ports(prefixed("answer", answer_words.collect()))
+        .port("node_limit", node_limit)
+        .place(m, "u_prepare", &prepare_module(step)?);
     let slot_bits = step.stack.trailing_zeros();
     let slot = |context: Wire<'_>, level: Wire<'_>| m.concat(&[context, level.lower(slot_bits)]);
     let deepest = half.port("half_deepest");
@@ -197,7 +199,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         &group,
     );
     let kind = done.port("request_kind");
-    let asks = |asked: u32| finishes.wire() & kind.is(asked.into());
+    let goes_on = (finishes.wire() & !flush).named("goes_on");
+    let asks = |asked: u32| goes_on & kind.is(asked.into());
     again_asked.drive(asks(request::CONTINUE));
 
     for source in ["block", "fault", "start"] {
@@ -206,7 +209,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.output("read_o", read);
     m.output("read_context_o", read_context);
     m.output("fetches_o", asks(request::FETCH));
-    m.output("ends_o", asks(request::DONE));
+    m.output("ends_o", finishes.wire() & (flush | kind.is(request::DONE.into())));
     m.output("context_o", finished_context);
     if let Some(is_tested) = is_tested {
         m.output("asks_o", asks(request::CANDIDATE));

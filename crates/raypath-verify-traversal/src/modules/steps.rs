@@ -1,7 +1,7 @@
 //! The two halves of a step: with any state, also with one that no ray reaches soon, such as counters at their limits.
 
 use super::Bench;
-use raypath_ops::{Binary32, Bundle, Port, from_words, ports_of, to_words};
+use raypath_ops::{Binary32, Bundle, Port, Word, from_words, ports_of, to_words};
 use raypath_traversal::state::{Answer, Group, RayState, Request};
 use raypath_traversal::{HalfStep, StepParameters};
 
@@ -13,8 +13,10 @@ pub fn prepare(bench: &mut Bench, parameters: StepParameters) -> Result<(), Stri
     let (state, answer) =
         (Ports::inputs::<RayState<Binary32>>(bench, "state"), Ports::inputs::<Answer<_>>(bench, "answer"));
     let half = Ports::outputs::<HalfStep<Binary32>>(bench, "half");
+    let limit = bench.module.inputs().iter().position(|port| port.name == "node_limit_i");
     compare(bench, &mut |bench, words| {
-        half.check(bench, &raypath_traversal::prepare(Binary32, parameters, state.of(words), answer.of(words)))
+        let limit = Word::truncate(limit.map_or(0, |place| words[place] as u32));
+        half.check(bench, &raypath_traversal::prepare(Binary32, parameters, state.of(words), answer.of(words), limit))
     })
 }
 

@@ -16,6 +16,7 @@
   always_comb assume (!p_releases || p_is_out_q);
   always_comb assume (!release_i || (p_out_q != 0 && released_i < N));
   always_comb once: assert (!(p_takes && p_is_out_q));
+  always_comb idle: assert (is_idle_o == (p_out_q == 0));
   always_comb in_range: assert (!valid_o || context_o < N);
   always_comb count: assert (p_out_q <= N && !(p_out_q == N && valid_o));
 
@@ -58,6 +59,6 @@
   wire p_is_once = (!p_is_live || (p_stored < N && (p_stored == p_context) == (p_waits && p_wrapped == p_slot)))
     && (!p_valid || (p_front < N && (p_front == p_context) == p_at_front));
   wire p_is_fresh = 9'(p_context) >= p_fresh_q;
-  always_comb lemmas: assert (p_holds && p_is_once && (!has_fresh_q || p_fresh_q < N)
+  always_comb lemmas: assert (p_holds && p_is_once && 9'(taken_q) == p_out_q && (!has_fresh_q || p_fresh_q < N)
     && !(p_is_out_q && p_is_fresh) && p_returns_q == (!p_is_out_q && !p_is_fresh)
     && (!p_returns_q || (p_ahead_q >= p_fresh && p_index < 9'(N) - p_out_q - p_fresh)) && (!p_waited_q || valid_o));

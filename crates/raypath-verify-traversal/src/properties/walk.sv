@@ -18,6 +18,7 @@
   always_comb two_cycles: assert (finishes_q == p_second_q && (!p_second_q || context_o == p_second_context_q));
   wire [2:0] p_asks = {2'd0, fetches_o} + {2'd0, ends_o} + {2'd0, again_asked} + {2'd0, p_candidate};
   always_comb one_request: assert (p_asks == {2'd0, p_second_q});
+  always_comb flushed: assert (!flush_i || ends_o == p_second_q);
 
   // Rays that continue come back, in order. Environment: at most N rays continue.
   logic [8:0] p_inside_q;

@@ -340,8 +340,10 @@ bind raypath_stage_11 raypath_order_properties #(
     .leave_opcode_i (data_o.opcode)
   );
 
-// The ports of the traversal unit: a ray that enters ends once, a request and a candidate have a
-// tag that is not in use, and the memory and the user answer what they were asked.
+// The ports of the traversal unit: a ray that enters ends once or is flushed, a request and a
+// candidate have a tag that is not in use, an idle unit waits for nothing, and the memory and the
+// user answer what they were asked. After a reset nothing is asked: an answer to a request from
+// before it is one that nobody asked for.
 module raypath_unit_ports_properties #(
   parameter int unsigned Contexts     = 8,
   parameter int unsigned ContextWidth = 3,
@@ -349,6 +351,7 @@ module raypath_unit_ports_properties #(
 ) (
   input logic                    clk_i,
   input logic                    rst_ni,
+  input logic                    idle_i,
   input logic                    enters_i,
   input logic                    leaves_i,
   input logic                    requests_i,
@@ -385,7 +388,7 @@ module raypath_unit_ports_properties #(
       asked_q     <= '0;
     end else begin
       runs_q   <= was_reset_q;
-      inside_q <= inside_q + {{ContextWidth{1'b0}}, enters_i} - {{ContextWidth{1'b0}}, leaves_i};
+      inside_q <= (idle_i ? '0 : inside_q) + {{ContextWidth{1'b0}}, enters_i} - {{ContextWidth{1'b0}}, leaves_i};
       if (answers_i) begin
         asked_q[answer_tag_i] <= 1'b0;
       end
@@ -406,6 +409,7 @@ module raypath_unit_ports_properties #(
       hits_have_rays:      assert (!leaves_i || inside_q != 0);
       // A context is free again while its hit waits at the port.
       contexts_suffice:    assert (inside_q <= Contexts[ContextWidth:0] + 1'b1);
+      idle_is_empty:       assert (!idle_i || (left_q == '0 && asked_q == '0));
       tags_are_free:       assert (!requests_i || left_of_request == 0);
       asks_once:           assert (!asks_i || !asked_q[asked_tag_i]);
       // Of the memory and of the user, not of the unit.
@@ -422,7 +426,7 @@ bind raypath_unit raypath_stall_properties #(
     .clk_i (clk_i),
     .rst_ni (rst_ni),
     .valid_i (hit_valid_o),
-    .ready_i (hit_ready_i),
+    .ready_i (hit_ready_i | flush_i),
     .data_i ({
       hit_id_o,
       hit_status_o,
@@ -456,6 +460,7 @@ bind raypath_unit raypath_unit_ports_properties #(
   ) u_ports_properties (
     .clk_i (clk_i),
     .rst_ni (rst_ni),
+    .idle_i (idle_o),
     .enters_i (ray_valid_i & ray_ready_o),
     .leaves_i (hit_valid_o & hit_ready_i),
     .requests_i (mem_req_valid_o & mem_req_ready_i),

@@ -10,6 +10,10 @@
 module raypath_unit (
   input  logic         clk_i,
   input  logic         rst_ni,
+  input  logic         flush_i,          // all rays are dropped, until idle_o is 1
+  input  logic [31:0]  node_limit_i,     // the nodes that a ray may read; 0: any number
+  output logic         idle_o,
+  output logic         busy_o,
   // A ray enters where valid and ready are 1.
   input  logic         ray_valid_i,
   input  logic [15:0]  ray_id_i,
@@ -49,6 +53,7 @@ module raypath_unit (
   output logic         mem_rsp_ready_o
 );
 
+  logic        flushes_q;
   logic        start_taken;
   logic        block_taken;
   logic        fault_taken;
@@ -81,6 +86,7 @@ module raypath_unit (
   logic [31:0] walk_next_extent;
   logic        hits_release;
   logic [5:0]  hits_context;
+  logic        idle;
 
   assign start_taken    = walk_start_taken;
   assign block_taken    = walk_block_taken;
@@ -99,7 +105,17 @@ module raypath_unit (
   assign fetch_count    = walk_count;
   assign fetch_extent   = walk_next_extent;
 
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      flushes_q <= 1'b0;
+    end else begin
+      flushes_q <= flush_i | (flushes_q & ~idle);
+    end
+  end
+
   // ---- Rays -----------------------------------------------------------------
+  logic        rays_ready;
+  logic        rays_is_idle;
   logic        rays_start_valid;
   logic [5:0]  rays_start_context;
   logic        rays_start_is_refused;
@@ -123,17 +139,18 @@ module raypath_unit (
   logic        rays_begin_any_hit;
 
   raypath_unit_rays u_rays (
-    .clk_i, .rst_ni, .valid_i (ray_valid_i), .entry_origin_x_i (ray_origin_x_i),
+    .clk_i, .rst_ni, .valid_i (ray_valid_i & ~flushes_q), .entry_origin_x_i (ray_origin_x_i),
     .entry_origin_y_i (ray_origin_y_i), .entry_origin_z_i (ray_origin_z_i),
     .entry_dir_x_i (ray_dir_x_i), .entry_dir_y_i (ray_dir_y_i), .entry_dir_z_i (ray_dir_z_i),
     .entry_t_min_i (ray_tmin_i), .entry_t_max_i (ray_tmax_i), .id_i (ray_id_i),
     .flags_i (ray_flags_i), .root_i (ray_root_i), .start_taken_i (start_taken),
     .release_i (releases), .hit_context_i (hit_context), .job_read_i (take),
     .job_context_i (take_context), .limits_read_i (limits_read), .limits_context_i (limits_context),
-    .step_read_i (step_read), .step_context_i (step_context), .ready_o (ray_ready_o),
-    .start_valid_o (rays_start_valid), .start_context_o (rays_start_context),
-    .start_is_refused_o (rays_start_is_refused), .id_o (hit_id_o),
-    .limits_t_min_o (rays_limits_t_min), .limits_culls_clockwise_o (rays_limits_culls_clockwise),
+    .step_read_i (step_read), .step_context_i (step_context), .ready_o (rays_ready),
+    .is_idle_o (rays_is_idle), .start_valid_o (rays_start_valid),
+    .start_context_o (rays_start_context), .start_is_refused_o (rays_start_is_refused),
+    .id_o (hit_id_o), .limits_t_min_o (rays_limits_t_min),
+    .limits_culls_clockwise_o (rays_limits_culls_clockwise),
     .limits_culls_counter_clockwise_o (rays_limits_culls_counter_clockwise),
     .job_origin_x_o (rays_job_origin_x), .job_origin_y_o (rays_job_origin_y),
     .job_origin_z_o (rays_job_origin_z), .job_inv_x_o (rays_job_inv_x),
@@ -345,17 +362,18 @@ module raypath_unit (
   logic [31:0] walk_next_triangles;
 
   raypath_unit_walk u_walk (
-    .clk_i, .rst_ni, .boxes_valid_i (datapath_output_valid & is_boxes),
-    .boxes_context_i (outcome_context), .block_valid_i (distance_valid),
-    .block_context_i (distance_context), .fault_valid_i (issue_fault_valid),
-    .fault_context_i (issue_context), .start_valid_i (rays_start_valid),
-    .start_context_i (rays_start_context), .start_is_refused_i (rays_start_is_refused),
-    .boxes_hit_i (datapath_is_intersect), .boxes_tmin_0_i (datapath_tmin_1),
-    .boxes_tmin_1_i (datapath_tmin_2), .boxes_tmin_2_i (datapath_tmin_3),
-    .boxes_box_index_0_i (datapath_box_index_0), .boxes_box_index_1_i (datapath_box_index_1),
-    .boxes_box_index_2_i (datapath_box_index_2), .boxes_box_index_3_i (datapath_box_index_3),
-    .closest_is_hit_i (distance_closest_is_hit), .closest_t_i (distance_closest_t),
-    .closest_t_num_i (distance_closest_t_num), .closest_t_denom_i (distance_closest_t_denom),
+    .clk_i, .rst_ni, .flush_i (flushes_q), .node_limit_i,
+    .boxes_valid_i (datapath_output_valid & is_boxes), .boxes_context_i (outcome_context),
+    .block_valid_i (distance_valid), .block_context_i (distance_context),
+    .fault_valid_i (issue_fault_valid), .fault_context_i (issue_context),
+    .start_valid_i (rays_start_valid), .start_context_i (rays_start_context),
+    .start_is_refused_i (rays_start_is_refused), .boxes_hit_i (datapath_is_intersect),
+    .boxes_tmin_0_i (datapath_tmin_1), .boxes_tmin_1_i (datapath_tmin_2),
+    .boxes_tmin_2_i (datapath_tmin_3), .boxes_box_index_0_i (datapath_box_index_0),
+    .boxes_box_index_1_i (datapath_box_index_1), .boxes_box_index_2_i (datapath_box_index_2),
+    .boxes_box_index_3_i (datapath_box_index_3), .closest_is_hit_i (distance_closest_is_hit),
+    .closest_t_i (distance_closest_t), .closest_t_num_i (distance_closest_t_num),
+    .closest_t_denom_i (distance_closest_t_denom),
     .closest_is_clockwise_i (distance_closest_is_clockwise),
     .closest_primitive_i (distance_closest_primitive), .child_0_i (blocks_child_0),
     .child_1_i (blocks_child_1), .child_2_i (blocks_child_2), .child_3_i (blocks_child_3),
@@ -372,6 +390,7 @@ module raypath_unit (
 
   // ---- Requests to the memory, and hits -------------------------------------
   logic [24:0] requests_block;
+  logic        hits_valid;
 
   raypath_queue #(.Depth (64), .Width (31)) u_requests (
     .clk_i, .rst_ni, .push_i (walk_fetches), .pop_i (mem_req_ready_i),
@@ -381,17 +400,23 @@ module raypath_unit (
 
   raypath_unit_hits u_hits (
     .clk_i, .rst_ni, .ends_i (walk_ends), .context_i (walk_context), .status_i (walk_status),
-    .ready_i (hit_ready_i), .next_extent_i (walk_next_extent),
+    .ready_i (hit_ready_i | flushes_q), .next_extent_i (walk_next_extent),
     .next_primitive_i (walk_next_primitive), .next_t_num_i (walk_next_t_num),
     .next_t_denom_i (walk_next_t_denom), .next_back_face_i (walk_next_back_face),
     .next_nodes_i (walk_next_nodes), .next_triangles_i (walk_next_triangles),
-    .release_o (hits_release), .context_o (hits_context), .valid_o (hit_valid_o),
+    .release_o (hits_release), .context_o (hits_context), .valid_o (hits_valid),
     .status_o (hit_status_o), .t_o (hit_t_o), .primitive_o (hit_primitive_o),
     .t_num_o (hit_t_num_o), .t_denom_o (hit_t_denom_o), .back_face_o (hit_back_face_o),
     .nodes_o (hit_nodes_o), .triangles_o (hit_triangles_o)
   );
 
+  assign idle = rays_is_idle & ~hits_valid;
+
   // ---- Outputs --------------------------------------------------------------
+  assign idle_o          = idle;
+  assign busy_o          = ~idle;
+  assign ray_ready_o     = rays_ready & ~flushes_q;
+  assign hit_valid_o     = hits_valid & ~flushes_q;
   assign mem_req_addr_o  = {requests_block, 7'd0};
   assign mem_rsp_ready_o = 1'b1;
 

@@ -10,6 +10,10 @@
 module raypath_unit_axi (
   input  logic         clk_i,
   input  logic         rst_ni,
+  input  logic         flush_i,
+  input  logic [31:0]  node_limit_i,
+  output logic         idle_o,
+  output logic         busy_o,
   // A ray enters where valid and ready are 1.
   input  logic         ray_valid_i,
   input  logic [15:0]  ray_id_i,
@@ -62,14 +66,14 @@ module raypath_unit_axi (
   assign unused_rlast = m_axi_rlast;
 
   raypath_unit u_unit (
-    .clk_i, .rst_ni, .ray_valid_i, .ray_id_i, .ray_flags_i, .ray_root_i, .ray_origin_x_i,
-    .ray_origin_y_i, .ray_origin_z_i, .ray_dir_x_i, .ray_dir_y_i, .ray_dir_z_i, .ray_tmin_i,
-    .ray_tmax_i, .hit_ready_i, .mem_req_ready_i (m_axi_arready), .mem_rsp_valid_i (m_axi_rvalid),
-    .mem_rsp_tag_i (m_axi_rid), .mem_rsp_error_i (|m_axi_rresp), .mem_rsp_data_i (m_axi_rdata),
-    .ray_ready_o, .hit_valid_o, .hit_id_o, .hit_status_o, .hit_t_o, .hit_primitive_o, .hit_t_num_o,
-    .hit_t_denom_o, .hit_back_face_o, .hit_nodes_o, .hit_triangles_o,
-    .mem_req_valid_o (m_axi_arvalid), .mem_req_addr_o (m_axi_araddr), .mem_req_tag_o (m_axi_arid),
-    .mem_rsp_ready_o (m_axi_rready)
+    .clk_i, .rst_ni, .flush_i, .node_limit_i, .ray_valid_i, .ray_id_i, .ray_flags_i, .ray_root_i,
+    .ray_origin_x_i, .ray_origin_y_i, .ray_origin_z_i, .ray_dir_x_i, .ray_dir_y_i, .ray_dir_z_i,
+    .ray_tmin_i, .ray_tmax_i, .hit_ready_i, .mem_req_ready_i (m_axi_arready),
+    .mem_rsp_valid_i (m_axi_rvalid), .mem_rsp_tag_i (m_axi_rid), .mem_rsp_error_i (|m_axi_rresp),
+    .mem_rsp_data_i (m_axi_rdata), .idle_o, .busy_o, .ray_ready_o, .hit_valid_o, .hit_id_o,
+    .hit_status_o, .hit_t_o, .hit_primitive_o, .hit_t_num_o, .hit_t_denom_o, .hit_back_face_o,
+    .hit_nodes_o, .hit_triangles_o, .mem_req_valid_o (m_axi_arvalid),
+    .mem_req_addr_o (m_axi_araddr), .mem_req_tag_o (m_axi_arid), .mem_rsp_ready_o (m_axi_rready)
   );
 
   assign m_axi_arlen   = 8'd1;

@@ -12,6 +12,7 @@ module raypath_unit_contexts (
   input  logic       take_i,
   input  logic       release_i,
   input  logic [5:0] released_i,
+  output logic       is_idle_o,
   output logic       valid_o,
   output logic [5:0] context_o
 );
@@ -21,6 +22,7 @@ module raypath_unit_contexts (
   logic       is_last;
   logic       free_valid;
   logic [5:0] free_context;
+  logic [6:0] taken_q;
 
   assign is_last = take_i & (fresh_q == 6'd63);
 
@@ -40,11 +42,14 @@ module raypath_unit_contexts (
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       has_fresh_q <= 1'b1;
+      taken_q     <= '0;
     end else begin
       has_fresh_q <= has_fresh_q & ~is_last;
+      taken_q     <= taken_q + {{6{~take_i & release_i}}, take_i ^ release_i};
     end
   end
 
+  assign is_idle_o = taken_q == 7'd0;
   assign valid_o   = has_fresh_q | free_valid;
   assign context_o = has_fresh_q ? fresh_q : free_context;
 

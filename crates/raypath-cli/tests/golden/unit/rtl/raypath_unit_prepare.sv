@@ -48,6 +48,7 @@ module raypath_unit_prepare (
   input  logic [31:0] answer_closest_t_denom_i,
   input  logic        answer_closest_is_clockwise_i,
   input  logic [31:0] answer_closest_primitive_i,
+  input  logic [31:0] node_limit_i,
   output logic        half_state_any_hit_o,
   output logic [31:0] half_state_root_o,
   output logic [31:0] half_state_extent_o,
@@ -80,6 +81,7 @@ module raypath_unit_prepare (
   output logic        half_ends_o,
   output logic        half_pops_o,
   output logic        half_is_empty_o,
+  output logic        half_is_at_limit_o,
   output logic        half_is_on_stack_o,
   output logic [6:0]  half_deepest_o,
   output logic [6:0]  half_parent_o,
@@ -206,6 +208,7 @@ module raypath_unit_prepare (
       & ~is_hit & ~state_restarting_i);
   assign half_is_empty_o              = (state_pending_low_i == 32'd0) & (state_pending_high_i ==
       32'd0);
+  assign half_is_at_limit_o           = ~(state_nodes_i < node_limit_i) & (node_limit_i != 32'd0);
   assign half_is_on_stack_t1          = state_pending_high_i == 32'd0;
   assign is_in_upper_16               = |state_pending_low_i[31:16];
   assign half_of_16                   = is_in_upper_16 ? state_pending_low_i[31:17] :

@@ -31,6 +31,7 @@ module raypath_unit_rays (
   input  logic        step_read_i,
   input  logic [5:0]  step_context_i,
   output logic        ready_o,
+  output logic        is_idle_o,
   output logic        start_valid_o,
   output logic [5:0]  start_context_o,
   output logic        start_is_refused_o,
@@ -81,7 +82,7 @@ module raypath_unit_rays (
   assign enters      = valid_i & ready;
 
   raypath_unit_contexts u_contexts (
-    .clk_i, .rst_ni, .take_i (enters), .release_i, .released_i (hit_context_i),
+    .clk_i, .rst_ni, .take_i (enters), .release_i, .released_i (hit_context_i), .is_idle_o,
     .valid_o (contexts_valid), .context_o (contexts_context)
   );
 
