@@ -15,7 +15,7 @@ pub use query::{UnitCandidate, UnitQuery, UnitVerdict};
 use raypath_rtl::Config;
 use raypath_sim::configuration;
 use raypath_sim::files::{in_folder, write_all};
-use raypath_traversal::system::{MemoryParameters, SystemTiming, simulate};
+use raypath_traversal::system::{SystemParameters, SystemTiming, simulate};
 use raypath_traversal::{self as unit, UnitNetlist, UnitParameters};
 pub use scene::{SceneGeometry, SceneInput, SceneInstance, UnitScene};
 use std::path::Path;
@@ -120,25 +120,25 @@ impl Unit {
         Ok(())
     }
 
-    /// Traces rays through a scene by the cycle-exact model with a memory, and returns what the simulation measured.
+    /// Traces rays through a scene by the cycle-exact model of a cluster of such units with a cache and a memory, and returns what the simulation measured.
     /// Rays are offered in order, as soon as the unit is ready, and hits are taken at once. `progress` gets the number
     /// of hits now and then, and returns false to stop the simulation.
     ///
     /// # Errors
-    /// Those of [`trace`](Self::trace); a parameter of the memory out of its range.
+    /// Those of [`trace`](Self::trace); a parameter of the system out of its range.
     pub fn simulate(
         &self,
         scene: &[u8],
         rays: &[UnitRay],
-        memory: &MemoryParameters,
+        system: &SystemParameters,
         hits: &mut [UnitHit],
         progress: &dyn Fn(u64) -> bool,
     ) -> Result<SystemTiming, Error> {
         self.check(rays)?;
         same_length("hits", hits.len(), "rays", rays.len())?;
-        check_memory(memory).map_err(Error::Argument)?;
         let (shape, parameters) = (self.netlist.shape(), self.netlist.parameters);
-        Ok(simulate(&shape, parameters, scene, memory, &mut List::new(rays, hits, progress)))
+        system.check(parameters).map_err(|problem| Error::Argument(problem.to_string()))?;
+        Ok(simulate(&shape, parameters, scene, system, &mut List::new(rays, hits, progress)))
     }
 
     /// Writes SystemVerilog, assertions, the AXI4 wrapper and manifests into a folder, as `raypath generate --unit`
@@ -152,24 +152,4 @@ impl Unit {
         write_all(&in_folder(folder, files))?;
         Ok(count)
     }
-}
-
-/// The most cycles of a latency, and the most bytes of a cycle, so that a count of cycles does not overflow.
-const MAX_LATENCY: u64 = 1_000_000;
-const MAX_BANDWIDTH: u32 = 65_536;
-
-fn check_memory(memory: &MemoryParameters) -> Result<(), String> {
-    let MemoryParameters { latency, bandwidth, cache } = *memory;
-    if !(1..=MAX_LATENCY).contains(&latency) {
-        return Err(format!("a memory with a latency of {latency} cycles, expected 1 to {MAX_LATENCY}"));
-    }
-    if let Some(bytes) = bandwidth.filter(|bytes| !(1..=MAX_BANDWIDTH).contains(bytes)) {
-        return Err(format!("a memory with {bytes} bytes a cycle, expected 1 to {MAX_BANDWIDTH}"));
-    }
-    let Some(cache) = cache else { return Ok(()) };
-    if cache.hit_latency > MAX_LATENCY {
-        let found = cache.hit_latency;
-        return Err(format!("a cache with a hit latency of {found} cycles, expected 1 to {MAX_LATENCY}"));
-    }
-    cache.check().map_err(|problem| problem.to_string())
 }

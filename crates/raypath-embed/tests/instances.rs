@@ -5,11 +5,11 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_embed::{Unit, UnitHit, UnitRay};
 use raypath_traversal::state::NO_INSTANCE;
-use raypath_traversal::system::MemoryParameters;
+use raypath_traversal::system::SystemParameters;
 use raypath_traversal::traffic::{TwoLevelScene, random_ray};
 use raypath_traversal::{HitInstance, RayRequest, Unit as Functional};
 
-const MEMORY: MemoryParameters = MemoryParameters { latency: 30, bandwidth: None, cache: None };
+const MEMORY: SystemParameters = SystemParameters::of_latency(30);
 
 #[test]
 fn hits_have_the_instances_of_the_functional_model() {

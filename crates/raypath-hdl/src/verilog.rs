@@ -24,7 +24,7 @@ pub use hierarchy::{Source, modules, sources, text};
 use layout::{comment, logic};
 pub use package::print_package;
 use plan::Plan;
-pub use ram::RAM;
+pub use ram::{RAM, RAM_TEXT};
 use std::collections::HashSet;
 
 /// The licence: the first comment of every file.

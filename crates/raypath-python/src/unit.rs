@@ -17,7 +17,7 @@ use raypath_rtl::Config;
 use raypath_rtl::report::picture;
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::{NO_INSTANCE, status};
-use raypath_traversal::system::{CacheParameters, MemoryParameters};
+use raypath_traversal::system::{CacheParameters, SystemParameters};
 use raypath_traversal::{Queries, StepParameters, UnitParameters};
 use std::ffi::CString;
 use std::path::PathBuf;
@@ -266,21 +266,24 @@ impl Unit {
     ///     latency: cycles from a request to the first beat of its block, 1 to 1,000,000; with a cache, of a miss.
     ///     bandwidth: the bytes that arrive from the memory in a cycle, 1 to 65,536; as many as the unit takes by
     ///         default.
-    ///     cache: the bytes of a cache before the memory; none by default.
-    ///     cache_ways: the ways of the cache.
-    ///     cache_line: the bytes of a line of the cache, a power of two from 32 to 4096.
-    ///     cache_latency: cycles of a hit in the cache.
+    ///     cache: the bytes of the cache of each unit; none by default.
+    ///     shared_cache: the bytes of a cache that all units share, behind those of the units; none by default.
+    ///     cache_ways: the ways of the caches: 1, 2, 4 or 8.
+    ///     cache_line: the bytes of a line of the caches: a block, or 2 or 4; a block by default.
+    ///     cache_misses: the lines that a cache fetches at a time: 2, 4, 8, 16 or 32.
+    ///     units: the units that share the memory, 1 to 64.
     ///
     /// Returns:
     ///     The hits, as those of ``trace``, and a dictionary of what was measured: ``cycles``, ``rays``, ``boxes`` and
     ///     ``triangles`` (jobs of the datapath), ``steps``, ``fetches``, ``beats`` (of the memory), ``cache_hits``,
-    ///     ``cache_misses``, ``rays_in_flight`` (the mean) and ``jobs_per_cycle``.
+    ///     ``cache_merges`` (requests that joined a miss), ``cache_misses``, ``rays_in_flight`` (the mean) and
+    ///     ``jobs_per_cycle``.
     ///
     /// Raises:
     ///     ValueError: another type or shape; an argument out of range.
     ///     KeyboardInterrupt: after Ctrl-C.
-    #[pyo3(signature = (scene, rays, *, latency = 100, bandwidth = None, cache = None, cache_ways = 4, cache_line = 128,
-        cache_latency = 8))]
+    #[pyo3(signature = (scene, rays, *, latency = 100, bandwidth = None, cache = None, cache_ways = 4, cache_line = None,
+        cache_misses = 16, units = 1, shared_cache = None))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn simulate<'py>(
         &self,
@@ -291,23 +294,25 @@ impl Unit {
         bandwidth: Option<u32>,
         cache: Option<u32>,
         cache_ways: u32,
-        cache_line: u32,
-        cache_latency: u64,
+        cache_line: Option<u32>,
+        cache_misses: u32,
+        units: u32,
+        shared_cache: Option<u32>,
     ) -> PyResult<(UnitHits, Bound<'py, PyDict>)> {
         let (scene, rays) = (scene.get(), items::<UnitRay>(rays, "rays")?);
         scene.check(&self.inner)?;
         scene.warn_beyond_reach(py, &rays)?;
-        let cache = cache.map(|bytes| CacheParameters {
-            bytes,
-            ways: cache_ways,
-            line: cache_line,
-            hit_latency: cache_latency,
-        });
-        let memory = MemoryParameters { latency, bandwidth, cache };
+        let line = cache_line.unwrap_or(self.inner.parameters().step.node.block_bytes());
+        let of_bytes = |bytes: Option<u32>| {
+            let cache = bytes.map(|bytes| CacheParameters::of_bytes(bytes, cache_ways, line, cache_misses));
+            cache.transpose().map_err(value_error)
+        };
+        let (cache, shared) = (of_bytes(cache)?, of_bytes(shared_cache)?);
+        let system = SystemParameters { units, cache, shared, latency, bandwidth };
         let mut output = Output::new::<UnitHit>(py, rays.len())?;
         let (unit, rays, hits) = (&self.inner, &*rays, output.items()?);
         let found = watched(py, |progress| {
-            unit.simulate(&scene.data, rays, &memory, hits, &|done| progress(done)).map_err(exception)
+            unit.simulate(&scene.data, rays, &system, hits, &|done| progress(done)).map_err(exception)
         })?;
         let counts = found.unit;
         let row = row!(py,
@@ -318,8 +323,9 @@ impl Unit {
             "steps": counts.steps,
             "fetches": counts.fetches,
             "beats": found.beats,
-            "cache_hits": found.cache_hits,
-            "cache_misses": found.cache_misses,
+            "cache_hits": found.cache.hits,
+            "cache_merges": found.cache.merges,
+            "cache_misses": found.cache.misses,
             "rays_in_flight": found.ray_cycles as f64 / counts.cycles.max(1) as f64,
             "jobs_per_cycle": found.jobs_per_cycle(),
         )?;

@@ -7,7 +7,7 @@ use raypath_ops::Rules;
 use raypath_render::{Hit, PictureError, RayBatch, Scene, Tracing, UnitSystem, time_rays_through_unit, trace_closest};
 use raypath_timing::Sample;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::system::MemoryParameters;
+use raypath_traversal::system::SystemParameters;
 use raypath_traversal::{StepParameters, UnitParameters};
 
 fn bits(hits: &[Option<Hit>]) -> Vec<Option<(u32, [u32; 3], bool)>> {
@@ -50,10 +50,10 @@ fn the_simulated_unit_reads_its_nodes() {
     let Named { mesh, .. } = meshes::real("suzanne");
     let rays = rays(&mesh, Kind::Primary, 300, 1);
     let scene = Scene::new(mesh).unwrap();
-    let memory = MemoryParameters { latency: 40, bandwidth: None, cache: None };
+    let around = SystemParameters::of_latency(40);
     let step = StepParameters { node: NodeKind::Quantised, ..StepParameters::default() };
     let unit = UnitParameters { contexts: 8, step, ..UnitParameters::default() };
-    let system = UnitSystem { shape: Shape::default(), unit, memory, in_flight: 16 };
+    let system = UnitSystem { shape: Shape::default(), unit, around, in_flight: 16 };
     let time = |scene: &Scene| {
         let batch = RayBatch { scene, rays: &rays, tracing: Tracing::default() };
         time_rays_through_unit(&batch, Sample::ALL, &system, &|_| true)

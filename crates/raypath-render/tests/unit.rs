@@ -13,7 +13,7 @@ use raypath_render::{
 };
 use raypath_timing::Sample;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::system::{CacheParameters, MemoryParameters};
+use raypath_traversal::system::{CacheParameters, SystemParameters};
 use raypath_traversal::{RayRequest, StepParameters, Unit, UnitParameters, ray_flags};
 use std::path::Path;
 
@@ -103,8 +103,8 @@ fn rays_that_the_unit_ends_with_an_error_are_errors() {
     let (hits, _) = trace_closest(&scene, &rays[1..], tracing, &|_| true).unwrap();
     assert_eq!(hits[0].map(|hit| (hit.triangle, hit.t, hit.instance)), Some((0, 4.0, Some(0))));
     let unit = UnitParameters::default();
-    let memory = MemoryParameters { latency: 1, bandwidth: None, cache: None };
-    let system = UnitSystem { shape: Shape::default(), unit, memory, in_flight: 2 };
+    let around = SystemParameters::of_latency(1);
+    let system = UnitSystem { shape: Shape::default(), unit, around, in_flight: 2 };
     let batch = RayBatch { scene: &scene, rays: &rays, tracing };
     assert_eq!(time_rays_through_unit(&batch, Sample::ALL, &system, &|_| true).err(), Some(errors.into()));
     // A camera whose rays are as short.
@@ -133,11 +133,11 @@ pub fn of_one(mesh: &Mesh, ray: &Ray<Binary32>, index: u32) -> Option<f32> {
 /// The simulated unit draws the picture of the functional model and does its work, whatever the memory.
 #[test]
 fn a_picture_through_the_simulated_unit() {
-    let cache = CacheParameters { bytes: 4096, ways: 2, line: 128, hit_latency: 3 };
-    let memories = [
-        MemoryParameters { latency: 1, bandwidth: None, cache: None },
-        MemoryParameters { latency: 300, bandwidth: Some(16), cache: None },
-        MemoryParameters { latency: 90, bandwidth: Some(64), cache: Some(cache) },
+    let cache = CacheParameters { sets: 16, ways: 2, line: 128, misses: 8 };
+    let systems = [
+        SystemParameters::of_latency(1),
+        SystemParameters { bandwidth: Some(16), ..SystemParameters::of_latency(300) },
+        SystemParameters { units: 3, cache: Some(cache), shared: None, latency: 90, bandwidth: Some(64) },
     ];
     let shading = Shading { shadows: true, ambient_occlusion: 2, ..Shading::default() };
     for Named { name, mesh } in [meshes::real("suzanne"), meshes::real("truck")] {
@@ -151,18 +151,19 @@ fn a_picture_through_the_simulated_unit() {
             costs.iter().map(|costs| costs.counts.quadbox).sum(),
             costs.iter().map(|costs| costs.counts.triangle).sum::<u64>(),
         ];
-        for (memory, contexts) in memories.into_iter().zip([8, 64, 20]) {
+        for (around, contexts) in systems.into_iter().zip([8, 64, 20]) {
             let unit = UnitParameters { contexts, ..UnitParameters::default() };
-            let system = UnitSystem { shape: Shape::default(), unit, memory, in_flight: 2 * contexts as usize };
+            let system = UnitSystem { shape: Shape::default(), unit, around, in_flight: 2 * contexts as usize };
             let (timing, picture) = time_picture_through_unit(&spec, Sample::ALL, &system, &|_| true).unwrap();
-            assert!(picture == expected.picture, "{name}, {memory:?}: another picture");
+            assert!(picture == expected.picture, "{name}, {around:?}: another picture");
             let found = timing.unit;
-            assert_eq!((found.rays, found.boxes, found.triangles), (rays, boxes, triangles), "{name}, {memory:?}");
-            assert_eq!(timing.beats, 2 * found.fetches, "beats of 512 bits");
-            let bytes = 128 * if memory.cache.is_some() { timing.cache_misses } else { found.fetches };
-            let least = memory.bandwidth.map_or(0, |bandwidth| bytes / u64::from(bandwidth));
-            assert!(found.cycles > least.max(timing.beats), "{name}, {memory:?}: {timing:?}");
-            assert_eq!(timing.cache_hits > 0, memory.cache.is_some(), "{name}, {memory:?}");
+            assert_eq!((found.rays, found.boxes, found.triangles), (rays, boxes, triangles), "{name}, {around:?}");
+            let fetched = if around.cache.is_some() { timing.cache.misses } else { found.fetches };
+            assert_eq!(timing.beats, 2 * fetched, "beats of 512 bits");
+            let bytes = 128 * fetched;
+            let least = around.bandwidth.map_or(0, |bandwidth| bytes / u64::from(bandwidth));
+            assert!(found.cycles > least.max(timing.beats), "{name}, {around:?}: {timing:?}");
+            assert_eq!(timing.cache.hits > 0, around.cache.is_some(), "{name}, {around:?}");
         }
     }
 }
@@ -175,9 +176,9 @@ fn the_time_of_a_ray_alone_follows_from_its_fetches() {
     let scene = Scene::new(mesh).unwrap().through_unit().unwrap();
     let batch = RayBatch { scene: &scene, rays: &rays, tracing: Tracing::default() };
     let cycles = |latency: u64| {
-        let memory = MemoryParameters { latency, bandwidth: None, cache: None };
+        let around = SystemParameters::of_latency(latency);
         let unit = UnitParameters { contexts: 8, ..UnitParameters::default() };
-        let system = UnitSystem { shape: Shape::default(), unit, memory, in_flight: 1 };
+        let system = UnitSystem { shape: Shape::default(), unit, around, in_flight: 1 };
         let (timing, hits) = time_rays_through_unit(&batch, Sample::ALL, &system, &|_| true).unwrap();
         assert_eq!(hits, trace_closest(&scene, &rays, Tracing::default(), &|_| true).unwrap().0);
         (timing.unit.cycles, timing.unit.fetches)

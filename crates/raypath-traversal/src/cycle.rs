@@ -89,7 +89,9 @@ impl UnitModel {
     /// Advances up to `limit` cycles in which no ray is offered, no response arrives, and nothing is taken, if that
     /// changes nothing but time. Returns the number of cycles, 0 if something moves.
     pub fn idle(&mut self, limit: u64) -> u64 {
-        self.timing.idle(limit)
+        let cycles = if self.timing.is_still() { limit } else { 0 };
+        self.timing.skip(cycles);
+        cycles
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod axi;
 mod bound;
+mod cache;
 mod common;
 mod descent;
 mod instances;

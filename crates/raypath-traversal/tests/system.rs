@@ -6,7 +6,7 @@ use raypath_model::Shape;
 use raypath_ops::EdgeRule;
 use raypath_traversal::blocks::{NODE_KIND, NodeKind};
 use raypath_traversal::state::status;
-use raypath_traversal::system::{MemoryParameters, RayUser, simulate};
+use raypath_traversal::system::{RayUser, SystemParameters, simulate};
 use raypath_traversal::traffic::{BlockScene, TwoLevelScene, random_ray};
 use raypath_traversal::{
     Memory, Queries, RayRequest, Reply, Response, StepParameters, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
@@ -126,7 +126,7 @@ fn simulations_equal_the_unit_at_its_ports() {
         let rays = (0..rays).map(&mut ray).collect();
         let mut user = List { rays, replies: Vec::new() };
         let again = List { rays: user.rays.clone(), replies: Vec::new() };
-        let memory = MemoryParameters { latency, bandwidth: None, cache: None };
+        let memory = SystemParameters::of_latency(latency);
         let timing = simulate(&Shape::default(), parameters, &scene[..], &memory, &mut user);
         let mut unit = UnitModel::new(&Shape::default(), parameters);
         let replies = every_cycle(&mut unit, parameters, &scene, again, latency);

@@ -102,6 +102,7 @@ class _Simulation(TypedDict):
     fetches: int
     beats: int
     cache_hits: int
+    cache_merges: int
     cache_misses: int
     rays_in_flight: float
     jobs_per_cycle: float
@@ -960,8 +961,10 @@ class Unit:
         bandwidth: int | None = None,
         cache: int | None = None,
         cache_ways: int = 4,
-        cache_line: int = 128,
-        cache_latency: int = 8,
+        cache_line: int | None = None,
+        cache_misses: int = 16,
+        units: int = 1,
+        shared_cache: int | None = None,
     ) -> tuple[UnitHits, _Simulation]:
         """Traces rays by the cycle-exact model with a memory, and measures. Rays are offered in order as soon as the unit
         is ready, and hits are taken at once.

@@ -7,19 +7,19 @@ use crate::{Blocks, Goal, Hit, Picture, UnitErrors};
 use raypath_model::Shape;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, Sample};
-use raypath_traversal::system::{MemoryParameters, RayUser, SystemTiming, simulate};
+use raypath_traversal::system::{RayUser, SystemParameters, SystemTiming, simulate};
 use raypath_traversal::{RayRequest, Reply, UnitParameters};
 use std::collections::VecDeque;
 
-/// A simulated system: a traversal unit and its memory.
+/// A simulated system: traversal units and their memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitSystem {
     /// The pipeline of the datapath.
     pub shape: Shape,
     /// The unit around it.
     pub unit: UnitParameters,
-    /// The memory with the scene.
-    pub memory: MemoryParameters,
+    /// The number of units, the cache and the memory with the scene.
+    pub around: SystemParameters,
     /// Pixels or rays of a list that are in work at a time, at least 1. The rays of a pixel follow one another. With
     /// more than the unit has contexts, a ray waits whenever a context is free.
     pub in_flight: usize,
@@ -92,7 +92,7 @@ fn run<S: RaySequence>(
         errors: UnitErrors::default(),
     };
     user.places.resize_with(user.free.len(), || None);
-    let timing = simulate(&system.shape, parameters, blocks.bytes(), &system.memory, &mut user);
+    let timing = simulate(&system.shape, parameters, blocks.bytes(), &system.around, &mut user);
     match user.error {
         Some(error) => Err(RenderError::Camera(error).into()),
         None if timing.is_stopped => Err(PictureError::Stopped),

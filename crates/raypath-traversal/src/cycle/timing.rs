@@ -85,6 +85,24 @@ pub struct UnitCounts {
     pub job_stalls: u64,
 }
 
+impl UnitCounts {
+    /// The sums of what two units did in the same cycles.
+    #[must_use]
+    pub fn beside(self, other: Self) -> Self {
+        Self {
+            cycles: self.cycles,
+            boxes: self.boxes + other.boxes,
+            triangles: self.triangles + other.triangles,
+            transforms: self.transforms + other.transforms,
+            steps: self.steps + other.steps,
+            fetches: self.fetches + other.fetches,
+            rays: self.rays + other.rays,
+            restarts: self.restarts + other.restarts,
+            job_stalls: self.job_stalls + other.job_stalls,
+        }
+    }
+}
+
 /// What enters the unit in a cycle, and what may leave it.
 pub struct Edge<'r> {
     /// All rays are dropped from now on.
@@ -215,13 +233,12 @@ impl Timing {
         Some(BlockRequest { address: contexts.address(context), tag: context.into() })
     }
 
-    /// Advances up to `limit` cycles in which no ray is offered, no response arrives, and nothing is taken, if that
-    /// changes nothing but time. Returns the number of cycles, 0 if something moves.
+    /// Whether a cycle in which no ray is offered, no response arrives, and nothing is taken changes nothing but time.
     // Within a loop, its many conditions would be computed in every cycle.
     #[inline(never)]
-    pub fn idle(&mut self, limit: u64) -> u64 {
+    pub fn is_still(&self) -> bool {
         let waiting = SOURCES | 1 << ARRIVALS | 1 << ENDED | 1 << CANDIDATES;
-        let is_still = self.busy == 0
+        self.busy == 0
             && self.set_up.is_empty()
             && self.jobs.is_empty()
             && !self.has_operands
@@ -233,10 +250,12 @@ impl Timing {
             && self.finished.source == 0
             && self.queues.are_settled()
             && self.weights.as_ref().is_none_or(Weights::is_empty)
-            && self.queues.ready() & waiting == 0;
-        let cycles = if is_still { limit } else { 0 };
+            && self.queues.ready() & waiting == 0
+    }
+
+    /// As many cycles that change nothing but time.
+    pub fn skip(&mut self, cycles: u64) {
         self.cycles = self.cycles.saturating_add(cycles);
-        cycles
     }
 
     /// The clock edge.

@@ -6,7 +6,7 @@ use raypath_model::Shape;
 use raypath_render::{Camera, Scene, builtin};
 use raypath_rtl::Config;
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
-use raypath_traversal::system::{MemoryParameters, RayUser, simulate};
+use raypath_traversal::system::{RayUser, SystemParameters, simulate};
 use raypath_traversal::traffic::{Behaviour, Environment, RecordedEngine};
 use raypath_traversal::{RayRequest, Reply, UnitModel, UnitNetlist, UnitParameters};
 
@@ -27,12 +27,12 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     let rays = camera.rays(SIZE.0, SIZE.1).map_err(CliError::unusable)?;
     let rays: Vec<RayRequest> = rays.iter().map(|ray| blocks.request(ray, false, false)).collect();
     for latency in [LATENCY, 10 * LATENCY] {
-        let memory = MemoryParameters { latency, bandwidth: None, cache: None };
+        let around = SystemParameters::of_latency(latency);
         let mut cycles = 0;
         let time = seconds(repetitions.div_ceil(8), || {
             let mut user = List { rays: &rays, next: 0 };
             let unit = UnitParameters::default();
-            cycles = simulate(&Shape::default(), unit, blocks.bytes(), &memory, &mut user).unit.cycles;
+            cycles = simulate(&Shape::default(), unit, blocks.bytes(), &around, &mut user).unit.cycles;
         });
         let name = format!("traversal unit, cycle-exact, camera rays, memory {latency} cycles");
         results.rate(name, "unit cycles", cycles as f64 / time, None);

@@ -4,13 +4,13 @@ use super::timing::Work;
 use crate::commands::full::{TimingArguments, print_rows, watched};
 use crate::commands::unit::UnitArguments;
 use crate::{CliError, whole};
-use clap::Args;
+use clap::{ArgGroup, Args};
 use rayon::prelude::*;
 use raypath_render::{UnitSystem, time_picture_through_unit, time_rays_through_unit};
 use raypath_rtl::Config;
 use raypath_timing::{Panel, Plot, Progress, Sample, Series};
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::system::{CacheParameters, MemoryParameters, SystemTiming};
+use raypath_traversal::system::{CacheCounts, CacheParameters, SystemParameters, SystemTiming};
 use raypath_traversal::{UnitNetlist, UnitParameters};
 use std::io::Write;
 use std::path::PathBuf;
@@ -19,24 +19,31 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// The unit, and what lies between it and the memory.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Traversal unit (with --through unit)")]
+#[command(group = ArgGroup::new("caches").args(["cache", "shared_cache"]).multiple(true))]
 pub struct UnitTimingArguments {
     #[command(flatten)]
     unit: UnitArguments,
     /// The bytes that arrive from the memory in a cycle [default: as many as the unit takes]
     #[arg(long, value_parser = whole(1..=65_536u32), value_name = "BYTES")]
     bandwidth: Option<u32>,
-    /// A cache of this size before the memory [default: none]
+    /// Units that share the cache and the memory
+    #[arg(long, default_value_t = 1, value_parser = whole(1..=64u32), value_name = "UNITS")]
+    units: u32,
+    /// A cache of this size in each unit: ways × bytes of a line × a power of two [default: none]
     #[arg(long, value_parser = whole(1..=1u32 << 30), value_name = "BYTES")]
     cache: Option<u32>,
-    /// The ways of the cache
-    #[arg(long, default_value_t = 4, value_parser = whole(1..=1024u32), requires = "cache", value_name = "WAYS")]
+    /// A cache of this size that all units share, behind those of the units [default: none]
+    #[arg(long, value_parser = whole(1..=1u32 << 30), value_name = "BYTES")]
+    shared_cache: Option<u32>,
+    /// The ways of the caches: 1, 2, 4 or 8
+    #[arg(long, default_value_t = 4, requires = "caches", value_name = "WAYS")]
     cache_ways: u32,
-    /// The bytes of a line of the cache: a power of two from 32 to 4096
-    #[arg(long, default_value_t = 128, value_parser = whole(32..=4096u32), requires = "cache", value_name = "BYTES")]
-    cache_line: u32,
-    /// Cycles of a hit in the cache
-    #[arg(long, default_value_t = 8, value_parser = whole(1..=1_000_000u64), requires = "cache", value_name = "CYCLES")]
-    cache_latency: u64,
+    /// The bytes of a line of the caches: a block, or 2 or 4 [default: a block]
+    #[arg(long, requires = "caches", value_name = "BYTES")]
+    cache_line: Option<u32>,
+    /// The lines that a cache fetches at a time: 2, 4, 8, 16 or 32
+    #[arg(long, default_value_t = 16, requires = "caches", value_name = "LINES")]
+    cache_misses: u32,
 }
 
 /// The numbers of contexts, latencies and widths of a sweep.
@@ -51,8 +58,10 @@ const ALONE: usize = 1000;
 impl UnitTimingArguments {
     /// An error if an option is given, but not the unit.
     pub fn expect_none(&self) -> Result<(), CliError> {
-        let given = [("bandwidth", self.bandwidth), ("cache", self.cache)];
-        if let Some((name, value)) = given.into_iter().find_map(|(name, value)| Some((name, value?))) {
+        let units = Some(self.units).filter(|units| *units != 1);
+        let caches = [("cache", self.cache), ("shared-cache", self.shared_cache)];
+        let given = caches.into_iter().chain([("units", units), ("bandwidth", self.bandwidth)]);
+        if let Some((name, value)) = { given }.find_map(|(name, value)| Some((name, value?))) {
             let problem = format!("--{name} {value} needs the traversal unit, expected --through unit");
             return Err(CliError::unusable(problem));
         }
@@ -68,21 +77,22 @@ impl UnitTimingArguments {
     pub fn system(&self, config: Config, memory_latency: u64) -> Result<UnitSystem, CliError> {
         let unit = self.unit.parameters();
         let shape = UnitNetlist::new(config, unit).map_err(CliError::unusable)?.shape();
-        let cache = self.cache.map(|bytes| CacheParameters {
-            bytes,
-            ways: self.cache_ways,
-            line: self.cache_line,
-            hit_latency: self.cache_latency,
-        });
-        cache.map_or(Ok(()), CacheParameters::check).map_err(CliError::unusable)?;
-        let memory = MemoryParameters { latency: memory_latency.max(1), bandwidth: self.bandwidth, cache };
-        Ok(UnitSystem { shape, unit, memory, in_flight: in_work(unit) })
+        let line = self.cache_line.unwrap_or(unit.step.node.block_bytes());
+        let cache = |bytes: Option<u32>| {
+            let cache = bytes.map(|bytes| CacheParameters::of_bytes(bytes, self.cache_ways, line, self.cache_misses));
+            cache.transpose().map_err(CliError::unusable)
+        };
+        let (cache, shared) = (cache(self.cache)?, cache(self.shared_cache)?);
+        let (units, latency, bandwidth) = (self.units, memory_latency.max(1), self.bandwidth);
+        let around = SystemParameters { units, cache, shared, latency, bandwidth };
+        around.check(unit).map_err(CliError::unusable)?;
+        Ok(UnitSystem { shape, unit, around, in_flight: in_work(unit, self.units) })
     }
 }
 
-/// Pixels or rays in work for a number of contexts: twice as many, so that a ray waits whenever a context is free.
-fn in_work(unit: UnitParameters) -> usize {
-    2 * unit.contexts as usize
+/// Pixels or rays in work: twice as many as there are contexts, so that a ray waits whenever one is free.
+fn in_work(unit: UnitParameters, units: u32) -> usize {
+    2 * (units * unit.contexts) as usize
 }
 
 /// Simulates the work, prints the results, and returns the files to write.
@@ -102,7 +112,7 @@ pub fn time(
     let mut rows = vec![
         (format!("{plural} timed"), format!("{timed} of {count}")),
         ("contexts".to_string(), system.unit.contexts.to_string()),
-        ("memory".to_string(), format!("{} cycles, {} bits a beat", system.memory.latency, system.unit.memory_width)),
+        ("memory".to_string(), format!("{} cycles, {} bits a beat", system.around.latency, system.unit.memory_width)),
     ];
     rows.extend(results(&found, timing.clock()));
     print_rows(&rows, out)?;
@@ -147,9 +157,13 @@ fn results(found: &SystemTiming, clock_mhz: f64) -> Vec<(String, String)> {
         row("rays in flight, mean", format!("{:.1}", found.ray_cycles as f64 / unit.cycles.max(1) as f64)),
         row("cycles per fetch and ray", format!("{:.1}", found.cycles_per_fetch())),
     ];
-    if found.cache_hits + found.cache_misses > 0 {
-        let share = found.cache_hits as f64 / (found.cache_hits + found.cache_misses) as f64;
-        rows.push(row("hits of the cache", format!("{} ({:.1} %)", found.cache_hits, 100.0 * share)));
+    for (cache, CacheCounts { hits, merges, misses }) in [("cache", found.cache), ("shared cache", found.shared)] {
+        let requests = hits + merges + misses;
+        if requests > 0 {
+            let share = |count: u64| format!("{count} ({:.1} %)", 100.0 * count as f64 / requests as f64);
+            rows.push((format!("hits of the {cache}"), share(hits)));
+            rows.push((format!("requests of the {cache} that joined a miss"), share(merges)));
+        }
     }
     rows.push((format!("rays per second at {clock_mhz} MHz"), format!("{rays_per_second:.4e}")));
     rows
@@ -185,8 +199,8 @@ fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Vec<Swept>, CliError> {
     let total = points.len() * swept.numbers(count).len();
     let at = |(width, latency, contexts): (u32, u64, u32), in_flight: usize| {
         let unit = UnitParameters { contexts, memory_width: width, ..system.unit };
-        let memory = MemoryParameters { latency, ..system.memory };
-        UnitSystem { shape: system.shape.clone(), unit, memory, in_flight }
+        let around = SystemParameters { latency, ..system.around };
+        UnitSystem { shape: system.shape.clone(), unit, around, in_flight }
     };
     watched(work.label(["pixels swept", "rays swept"]), total, |progress| {
         let completed = AtomicU64::new(0);
