@@ -43,6 +43,7 @@ debian pkg-config pkg-config
 debian /usr/include/systemc.h libsystemc-dev
 debian yosys yosys
 debian sta opensta
+debian tclsh tcl
 debian chromium chromium
 debian /usr/share/qflow/tech/osu018/osu018_stdcells.lib qflow-tech-osu018
 debian python3 python3

@@ -128,13 +128,9 @@ fn bench(cache: &Path) -> Result<Bench, Error> {
         library: Library::read(Path::new(DEFAULT_LIBRARY))?,
         yosys: Yosys::find(None)?,
         sta: OpenSta::find()?,
-        period: PERIOD,
+        period: rtl::package::PERIOD_NS,
         unit_period: None,
         jobs: std::thread::available_parallelism().map_or(1, usize::from),
         cache: cache.to_path_buf(),
     })
 }
-
-/// The clock period for which gates are optimised: the default of `raypath ppa`.
-#[cfg(feature = "workbench")]
-const PERIOD: f64 = 12.0;

@@ -195,7 +195,8 @@ fn write(
 ) -> Result<(), CliError> {
     let config = checks.datapath.config();
     let description = format!("{config}, with {}", spec.name());
-    let mut files = in_folder(&arguments.out, package::design(checks.netlist, config, &description)?);
+    let mut files =
+        in_folder(&arguments.out, package::design(checks.netlist, config, &description, package::PERIOD_NS)?);
     files.extend(checks.files(&arguments.out));
     write_all(&files)?;
     let (folder, name) = (arguments.out.display(), spec.name());

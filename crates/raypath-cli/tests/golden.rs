@@ -15,7 +15,8 @@ fn the_text_of_presets_is_the_golden_one() {
     for name in ["paper", "credit"] {
         let preset: Preset = name.parse().expect("a preset");
         let datapath = DatapathNetlist::new(preset.config).expect("a datapath");
-        let files = package::design(&datapath, preset.config, &preset.config.to_string()).expect("files");
+        let files =
+            package::design(&datapath, preset.config, &preset.config.to_string(), package::PERIOD_NS).expect("files");
         compare(name, files);
     }
 }
@@ -23,7 +24,7 @@ fn the_text_of_presets_is_the_golden_one() {
 #[test]
 fn the_text_of_the_unit_is_the_golden_one() {
     let unit = UnitNetlist::new(raypath_rtl::Config::DEFAULT, UnitParameters::default()).expect("a unit");
-    compare("unit", unit.files().expect("files"));
+    compare("unit", unit.files(package::PERIOD_NS).expect("files"));
 }
 
 /// A wrong line is found, and so are files that are missing on either side.
@@ -43,9 +44,9 @@ fn differences_are_found() {
 
 /// Compares the files of a design with those in a folder of `golden`, or writes them there.
 fn compare(name: &str, files: Files) {
-    // The pipeline's picture, and the files that repeat the modules.
+    // The pipeline's picture, and the files that repeat the modules or other files.
     let repeats = |path: &Path| {
-        path.extension().is_some_and(|extension| extension == "svg")
+        path.extension().is_some_and(|extension| ["svg", "xdc", "xml"].iter().any(|kind| extension == *kind))
             || path.parent() == Some(Path::new(""))
                 && path.extension().is_some_and(|extension| extension == "sv")
                 && !path.to_string_lossy().ends_with("_properties.sv")

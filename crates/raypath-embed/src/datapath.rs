@@ -292,7 +292,7 @@ impl Datapath {
     /// # Errors
     /// A file or folder that cannot be written; then no file is changed.
     pub fn generate(&self, folder: &Path) -> Result<usize, Error> {
-        let files = package::design(&self.netlist, self.config(), &self.description)?;
+        let files = package::design(&self.netlist, self.config(), &self.description, package::PERIOD_NS)?;
         let count = files.len();
         write_all(&in_folder(folder, files))?;
         Ok(count)

@@ -13,6 +13,7 @@ pub use layout::{UnitHit, UnitRay};
 pub use model::{UnitInputs, UnitModel, UnitOutputs, UnitStalls};
 pub use query::{UnitCandidate, UnitQuery, UnitVerdict};
 use raypath_rtl::Config;
+use raypath_rtl::package::PERIOD_NS;
 use raypath_sim::configuration;
 use raypath_sim::files::{in_folder, write_all};
 use raypath_traversal::system::{SystemParameters, SystemTiming, simulate};
@@ -147,7 +148,7 @@ impl Unit {
     /// # Errors
     /// A file or folder that cannot be written; then no file is changed.
     pub fn generate(&self, folder: &Path) -> Result<usize, Error> {
-        let files = self.netlist.files()?;
+        let files = self.netlist.files(PERIOD_NS)?;
         let count = files.len();
         write_all(&in_folder(folder, files))?;
         Ok(count)

@@ -1,5 +1,5 @@
-//! Files for integration: a wrapper with structures as ports, its package, a list of files, and manifests for FuseSoC
-//! and Bender.
+//! Files for integration: a wrapper with structures as ports, its package, a list of files, manifests for FuseSoC and
+//! Bender, constraints and a component of IP-XACT.
 //!
 //! They are derived from the ports of the top module, so they exist for every set of operations.
 //!
@@ -18,6 +18,7 @@ mod design;
 mod fields;
 mod manifest;
 mod prefix;
+mod soc;
 mod structures;
 mod text;
 mod wrapper;
@@ -28,8 +29,12 @@ use fields::{Direction, Field};
 use manifest::Sources;
 pub use prefix::{Prefix, PrefixError};
 use raypath_hdl::{Error, verilog};
+pub use soc::{PERIOD_NS, TextPort, text_ports};
 use std::path::PathBuf;
 use structures::Structures;
+
+/// What a datapath is, for manifests.
+const PURPOSE: &str = "A ray-tracer datapath";
 
 /// Files with their paths in the output folder.
 pub type Files = Vec<(PathBuf, String)>;
@@ -53,7 +58,7 @@ pub fn files(datapath: &DatapathNetlist, banner: &[String]) -> Result<Files, Err
     let modules = verilog::sources(top, &[])?.iter().map(|source| format!("rtl/{}.sv", source.name)).collect();
     let sources = Sources {
         name,
-        description: "A ray-tracer datapath",
+        description: PURPOSE,
         modules,
         wrapper_name: &wrapper_name,
         wrapper: vec![package.clone(), wrapper.clone()],

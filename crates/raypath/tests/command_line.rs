@@ -94,9 +94,9 @@ fn generate_writes_the_same_bytes_each_time() {
     let of = |name: &str| String::from_utf8(files[names.iter().position(|n| *n == name).expect(name)].1.clone());
     let list = of("raypath.f").expect("text");
     let modules: Vec<&str> = list.lines().collect();
-    // Beside the modules: a file with all, one without structures, assertions, a picture, lists, manifests, the wrapper
-    // and its package.
-    assert_eq!(modules.len() + 10, files.len());
+    // Beside the modules: a file with all, one without structures, assertions, a picture, lists, manifests, constraints,
+    // a component, the wrapper and its package.
+    assert_eq!(modules.len() + 13, files.len());
     assert_eq!(modules.last(), Some(&"rtl/raypath.sv"));
     let all = of("raypath.sv").expect("text");
     for module in modules {

@@ -2,6 +2,7 @@
 
 mod unit;
 
+use crate::commands::numbers::number;
 use crate::commands::unit::{UnitArguments, not_with_unit};
 use crate::{CliError, DatapathArguments, Progress, ask_oracles, whole};
 use clap::Args;
@@ -28,6 +29,9 @@ pub struct Arguments {
     /// What the names of all modules, packages and files begin with, for several datapaths in one design
     #[arg(long, value_name = "NAME", default_value = "raypath")]
     prefix: Prefix,
+    /// The clock period of the constraints, in nanoseconds
+    #[arg(long, default_value_t = package::PERIOD_NS, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
+    period: f64,
     /// The number of random jobs for the check of the netlist
     #[arg(long, default_value_t = 10_000, value_parser = whole(1..=u32::MAX))]
     jobs: u32,
@@ -58,7 +62,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let jobs = arguments.jobs.min(MAX_CHECKED_JOBS) as usize;
     let checks = Checks { datapath: &whole, netlist: &datapath, specs, seed: arguments.seed, jobs };
     let prefix = &arguments.prefix;
-    let mut files = in_folder(&arguments.out, prefix.rename(package::design(&datapath, config, &name)?));
+    let mut files =
+        in_folder(&arguments.out, prefix.rename(package::design(&datapath, config, &name, arguments.period)?));
     files.extend(checks.files(&arguments.out));
     write_design(&arguments.out, &files)?;
 
@@ -71,8 +76,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/{prefix}.f, and all of them to")?;
     writeln!(out, "{folder}/{prefix}.sv, and without structures to {folder}/{prefix}_plain.sv; assertions for")?;
     writeln!(out, "simulators to {folder}/{prefix}_properties.sv; a wrapper whose ports are structures to")?;
-    writeln!(out, "{folder}/rtl/{prefix}_wrapper.sv; {folder}/{prefix}.core (FuseSoC) and {folder}/Bender.yml; a")?;
-    writeln!(out, "picture of the pipeline to {folder}/pipeline.svg.\n")?;
+    writeln!(out, "{folder}/rtl/{prefix}_wrapper.sv; {folder}/{prefix}.core (FuseSoC) and {folder}/Bender.yml;")?;
+    writeln!(out, "constraints (.sdc, .xdc) and IP-XACT (.xml) to {folder}/{prefix}.*; a picture of the pipeline to")?;
+    writeln!(out, "{folder}/pipeline.svg.\n")?;
     for spec in specs {
         writeln!(
             out,

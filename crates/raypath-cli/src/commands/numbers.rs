@@ -16,7 +16,6 @@ where
 }
 
 /// A parser, for clap, of numbers in a range, which `expected` describes.
-#[cfg(feature = "full")]
 pub fn number(
     range: RangeInclusive<f64>,
     expected: impl Display,

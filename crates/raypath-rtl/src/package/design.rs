@@ -1,7 +1,7 @@
 //! All files of a design: SystemVerilog, assertions, a picture, and the files for integration.
 
-use super::Files;
 use super::manifest::Sources;
+use super::{Files, soc};
 use crate::report::picture;
 use crate::{Config, DatapathNetlist};
 use raypath_hdl::{Error, Module, text, verilog};
@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 /// All files of a datapath: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`; the same
 /// without package and structures in `raypath_plain.sv`; `raypath_properties.sv`; `pipeline.svg`; and the files for
-/// integration ([`files`](super::files)). `description` says what the datapath is, in the comment at the head of each
-/// file.
+/// integration ([`files`](super::files)), with `raypath.sdc`, `raypath.xdc` for a clock of `period_ns`, and `raypath.xml`
+/// (IP-XACT). `description` says what the datapath is, in the comment at the head of each file.
 ///
 /// # Errors
 /// A datapath that cannot be printed: different modules of one name.
-pub fn design(datapath: &DatapathNetlist, config: Config, description: &str) -> Result<Files, Error> {
+pub fn design(datapath: &DatapathNetlist, config: Config, description: &str, period_ns: f64) -> Result<Files, Error> {
     let banner = &banner(description);
     let Printed { mut files, names, all } = Printed::of(datapath.top(), banner)?;
     files.push(("raypath.f".into(), list(&names)));
@@ -23,6 +23,7 @@ pub fn design(datapath: &DatapathNetlist, config: Config, description: &str) -> 
     files.push(("raypath_properties.sv".into(), checkers(&datapath.properties().to_string(), "raypath.sv", banner)));
     files.push(("pipeline.svg".into(), picture::pipeline(datapath, config)));
     files.extend(super::files(datapath, banner)?);
+    files.extend(soc::files(datapath.top(), &names, super::PURPOSE, banner, period_ns));
     Ok(files)
 }
 
@@ -39,20 +40,23 @@ pub struct Wrapped<'a> {
     pub purpose: &'a str,
     /// The parameters, for the comment at the head of each file.
     pub description: &'a str,
+    /// The clock period of the constraints, in nanoseconds.
+    pub period_ns: f64,
 }
 
 /// All files of a design around a datapath: each module in `rtl/`, listed in `<top>.f`, with the wrapper in
 /// `<wrapper>.f`; all modules but the wrapper in `<top>.sv`, and the same without package and structures in
-/// `<top>_plain.sv`; the assertions in `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`.
+/// `<top>_plain.sv`; the assertions in `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`; and of the
+/// wrapper the constraints `<wrapper>.sdc` and `<wrapper>.xdc`, and `<wrapper>.xml` (IP-XACT).
 ///
 /// # Errors
 /// A design that cannot be printed: different modules of one name.
 pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
-    let Wrapped { top, wrapper, properties, purpose, description } = design;
-    let (banner, name, wrapper_name) = (&banner(description), top.name(), wrapper.name());
+    let Wrapped { top, wrapper: axi, properties, purpose, description, period_ns } = design;
+    let (banner, name, wrapper_name) = (&banner(description), top.name(), axi.name());
     let Printed { names, all, .. } = Printed::of(top, banner)?;
     // The modules of the wrapper are those of the top module, and the wrapper.
-    let mut files = Printed::of(wrapper, banner)?.files;
+    let mut files = Printed::of(axi, banner)?.files;
     let (all_file, checks) = (format!("{name}.sv"), "raypath_properties.sv");
     files.push((checks.into(), checkers(properties, &all_file, banner)));
     files.push((format!("{name}.f").into(), list(&names)));
@@ -63,6 +67,8 @@ pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
     files.push((format!("{wrapper_name}.f").into(), sources.list()));
     files.push((format!("{name}.core").into(), sources.fusesoc(banner)));
     files.push(("Bender.yml".into(), sources.bender(banner)));
+    let all = [sources.modules, sources.wrapper].concat();
+    files.extend(soc::files(axi, &all, purpose, banner, period_ns));
     Ok(files)
 }
 

@@ -15,17 +15,18 @@ impl UnitNetlist {
     }
 
     /// All files of the unit, each with its path in the output folder ([`package::wrapped`]). The wrapper is
-    /// `raypath_unit_axi`.
+    /// `raypath_unit_axi`, whose constraints are for a clock of `period_ns`.
     ///
     /// # Errors
     /// A defect of the netlist.
-    pub fn files(&self) -> Result<Vec<(PathBuf, String)>, Error> {
+    pub fn files(&self, period_ns: f64) -> Result<Vec<(PathBuf, String)>, Error> {
         package::wrapped(Wrapped {
             top: &self.top,
             wrapper: &self.axi()?,
             properties: &self.properties(),
             purpose: PURPOSE,
             description: &self.description(),
+            period_ns,
         })
     }
 }

@@ -7,7 +7,7 @@ use comfy_table::{ContentArrangement, Table};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
-use raypath_rtl::package::Prefix;
+use raypath_rtl::package::{Prefix, text_ports};
 use raypath_sim::files::{in_folder, write_design};
 use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray, verdict_of};
 use raypath_traversal::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
@@ -29,7 +29,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.datapath.config()?;
     let unit = UnitNetlist::new(config, arguments.unit_parameters.parameters())?;
     let prefix = &arguments.prefix;
-    write_design(&arguments.out, &in_folder(&arguments.out, prefix.rename(unit.files()?)))?;
+    write_design(&arguments.out, &in_folder(&arguments.out, prefix.rename(unit.files(arguments.period)?)))?;
 
     writeln!(out, "raypath {VERSION}: {}\n", unit.description())?;
     writeln!(out, "Ports of {prefix}_unit\n\n{}\n", ports(&unit.top))?;
@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     )?;
     writeln!(out, "and without structures to {folder}/{prefix}_unit_plain.sv; assertions to")?;
     writeln!(out, "{folder}/{prefix}_properties.sv; for FuseSoC and Bender: {folder}/{prefix}_unit.core and")?;
-    writeln!(out, "{folder}/Bender.yml.\n")?;
+    writeln!(out, "{folder}/Bender.yml; constraints (.sdc, .xdc) and IP-XACT (.xml): {folder}/{prefix}_unit_axi.*.\n")?;
     check(&unit, arguments, out)
 }
 
@@ -61,25 +61,16 @@ fn table<const N: usize>(header: [&str; N]) -> Table {
     table
 }
 
-/// The ports of each channel. The text has some as parts of one port.
+/// The ports of each channel.
 fn ports(top: &Module) -> Table {
     let channels =
         [("ray, in", "ray_"), ("hit, out", "hit_"), ("memory request, out", "mem_req_"), ("response, in", "mem_rsp_")];
     let mut table = table(["channel", "ports"]);
     table.add_row(["", "clk_i, rst_ni"]);
     for (channel, prefix) in channels {
-        let mut found: Vec<(String, u32)> = Vec::new();
-        for port in top.inputs().iter().chain(top.outputs()).filter(|port| port.name.starts_with(prefix)) {
-            let text = top.port_text(&port.name);
-            let name = text.split('[').next().unwrap_or_default();
-            let width = top.signal(port.signal).width;
-            match found.iter_mut().find(|(known, _)| known == name) {
-                Some((_, all)) => *all += width,
-                None => found.push((name.to_string(), width)),
-            }
-        }
+        let found = text_ports(top).into_iter().filter(|port| port.name.starts_with(prefix));
         let range = |width: u32| if width == 1 { String::new() } else { format!(" [{}:0]", width - 1) };
-        let cells: Vec<String> = found.into_iter().map(|(name, width)| name + &range(width)).collect();
+        let cells: Vec<String> = found.map(|port| port.name + &range(port.width)).collect();
         table.add_row([channel, &cells.join(", ")]);
     }
     table
