@@ -1425,6 +1425,20 @@ raypath_status raypath_step_cost(const raypath_datapath *datapath, size_t step, 
 raypath_status raypath_cost(const raypath_datapath *datapath, raypath_cost_counts *cost);
 
 /**
+ * Sets `*value` to a number of a card, the JSON that `raypath card` writes. `pointer` is a JSON pointer, for example
+ * `/operations/quadbox/pj_per_job`. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for another text, another version of it, or no number there, with the reason that the
+ * card states; `RAYPATH_ERROR_NULL`. Then `*value` is not changed.
+ *
+ * # Safety
+ * `json` and `pointer` are NULL or strings; `value` is NULL or points to a number.
+ */
+raypath_status raypath_card_number(const char *json,
+                                   const char *pointer,
+                                   double *value);
+
+/**
  * Makes an empty pipeline with accumulators of zero, and sets `*pipeline`. The datapath may be closed before the
  * pipeline. Any thread may call it.
  *

@@ -1,8 +1,9 @@
 //! Operations, ports, units and registers of a datapath.
 
 use crate::Datapath;
-use crate::memory::{reference, reference_mut};
+use crate::memory::{reference, reference_mut, required_text};
 use crate::status::{Failure, RAYPATH_OK, Status, address_or_null, status, value_or_zero};
+use raypath_embed::Card;
 use raypath_ops::PortKind;
 use raypath_rtl::{Registers, Units};
 use std::ffi::{CString, c_char};
@@ -226,6 +227,26 @@ pub unsafe extern "C" fn raypath_cost(datapath: *const Datapath, cost: *mut Cost
         let netlist = datapath.embedded.netlist();
         let units: Units = (0..netlist.steps().count()).map(|step| netlist.units(step)).sum();
         *cost = Cost { flip_flops: datapath.embedded.flip_flops(), ..cost_of(units, Registers::default()) };
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Sets `*value` to a number of a card, the JSON that `raypath card` writes. `pointer` is a JSON pointer, for example
+/// `/operations/quadbox/pj_per_job`. Any thread may call it.
+///
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for another text, another version of it, or no number there, with the reason that the
+/// card states; `RAYPATH_ERROR_NULL`. Then `*value` is not changed.
+///
+/// # Safety
+/// `json` and `pointer` are NULL or strings; `value` is NULL or points to a number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_card_number(json: *const c_char, pointer: *const c_char, value: *mut f64) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (texts, value) = unsafe {
+            ([required_text("json", json)?, required_text("pointer", pointer)?], reference_mut("value", value)?)
+        };
+        *value = Card::read(texts[0])?.number(texts[1])?;
         Ok(RAYPATH_OK)
     })
 }

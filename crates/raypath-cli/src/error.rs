@@ -87,6 +87,7 @@ unusable!(InputError, FileError, raypath_hdl::Error, raypath_traversal::UnitErro
 
 #[cfg(feature = "full")]
 unusable!(
+    raypath_embed::Error,
     raypath_hdl::wave::WaveError,
     raypath_search::SearchError,
     raypath_search::TimingError,

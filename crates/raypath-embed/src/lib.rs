@@ -4,6 +4,7 @@
 //!
 //! `raypath-capi` exports it to C and C++, and `raypath-python` to Python. It is safe Rust.
 
+mod card;
 mod datapath;
 mod error;
 mod general;
@@ -17,6 +18,7 @@ mod state;
 mod transpose;
 mod unit;
 
+pub use card::Card;
 pub use datapath::Datapath;
 pub use error::Error;
 pub use job::{Beat, Job, Outcome, Tagged};

@@ -282,6 +282,14 @@ impl Datapath {
         py.detach(|| self.inner.generate(&folder)).map_err(exception)
     }
 
+    /// The figures for architecture simulators, as ``raypath card`` writes them, without measured ones.
+    ///
+    /// Returns:
+    ///     The document as a dictionary; ``absent`` says why a value is None.
+    fn card<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        tables::card(py, &self.inner.card())
+    }
+
     /// The work of each operation in each step of the pipeline (Table VII of the paper).
     ///
     /// Returns:

@@ -64,7 +64,7 @@ mod _raypath {
     #[pymodule_export]
     use crate::search::{Search, search};
     #[pymodule_export]
-    use crate::tables::{operations, parameters, presets};
+    use crate::tables::{operations, parameters, presets, read_card};
     #[pymodule_export]
     use crate::unit::{Unit, UnitScene};
     #[pymodule_export]

@@ -1,7 +1,9 @@
 //! Tables: a list of rows, each a dictionary of the same keys.
 
+use crate::error::exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use raypath_embed::Card;
 use raypath_ops::PortKind;
 use raypath_rtl::{self as rtl, PARAMETER_GROUPS, PRESETS, UnitKind, Units};
 
@@ -53,6 +55,19 @@ pub fn parameters(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
 pub fn operations(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     let added = raypath_oracle::added_operations();
     list(py, added.iter().map(|spec| row!(py, "operation": spec.name(), "purpose": spec.purpose())))
+}
+
+/// Reads a card, the text that ``raypath card`` writes, as a dictionary.
+///
+/// Raises:
+///     ValueError: another text, or another version of it.
+#[pyfunction]
+pub fn read_card<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    card(py, &Card::read(text).map_err(exception)?)
+}
+
+pub fn card<'py>(py: Python<'py>, card: &Card) -> PyResult<Bound<'py, PyAny>> {
+    py.import("json")?.call_method1("loads", (card.to_json(),))
 }
 
 pub fn schedule<'py>(py: Python<'py>, netlist: &rtl::DatapathNetlist) -> PyResult<Bound<'py, PyList>> {

@@ -346,6 +346,11 @@ impl Unit {
         py.detach(|| self.inner.generate(&folder)).map_err(exception)
     }
 
+    /// The figures for architecture simulators, as ``Datapath.card`` has them.
+    fn card<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        crate::tables::card(py, &self.inner.card())
+    }
+
     /// The latency of the datapath inside in cycles.
     #[getter]
     fn latency(&self) -> u32 {

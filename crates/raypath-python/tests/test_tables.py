@@ -1,5 +1,6 @@
 """Tables, generation and configurations."""
 
+import json
 import pickle
 import re
 import runpy
@@ -60,6 +61,21 @@ def test_generate(datapath: raypath.Datapath, tmp_path: Path) -> None:
     assert len(listed) > 10
     assert all((tmp_path / "new" / name).exists() for name in listed)
     assert "module raypath " in (tmp_path / "new/raypath.sv").read_text()
+
+
+def test_card(datapath: raypath.Datapath) -> None:
+    """A card has the figures of the tables, is read again, and is refused in another version."""
+    card = datapath.card()
+    units = pandas.DataFrame(datapath.units())
+    assert {kind.split("_")[0]: count for kind, count in card["units"].items()} == {
+        kind: units[kind].sum() for kind in ["encode", "add", "mul", "compare", "decode"]
+    }
+    assert (card["latency_cycles"], card["register_bits"]) == (datapath.latency, datapath.flip_flops)
+    assert card["measured"] is None
+    assert "--liberty" in card["absent"]["measured"]
+    assert raypath.read_card(json.dumps(card)) == card
+    with pytest.raises(ValueError, match="card_version is 2, expected 1"):
+        raypath.read_card(json.dumps({**card, "card_version": 2}))
 
 
 def test_parameters_are_keywords(root: Path) -> None:

@@ -3,6 +3,7 @@
 mod accuracy;
 mod bench;
 mod campaign;
+mod design;
 mod fpga;
 mod operations;
 mod page;

@@ -162,6 +162,22 @@ static void inspection(const raypath_datapath *datapath) {
   CHECK(flip_flops == 11023);
 }
 
+static void cards(void) {
+  const char *card = "{\"card_version\": 1, \"idle_pj_per_cycle\": null, \"absent\": {\"idle_pj_per_cycle\": \"why\"},"
+                     "\"operations\": {\"quadbox\": {\"pj_per_job\": 1.5}}}";
+  double value = 0;
+  CHECK(raypath_card_number(card, "/operations/quadbox/pj_per_job", &value) == RAYPATH_OK && value == 1.5);
+  CHECK_FAILS(raypath_card_number(card, "/idle_pj_per_cycle", &value), RAYPATH_ERROR_ARGUMENT, "why");
+  CHECK_FAILS(raypath_card_number(card, "/operations", &value), RAYPATH_ERROR_ARGUMENT, "expected a number");
+  CHECK_FAILS(raypath_card_number("{\"card_version\": 2}", "/x", &value), RAYPATH_ERROR_ARGUMENT,
+              "card_version is 2, expected 1");
+  CHECK_FAILS(raypath_card_number("[]", "/x", &value), RAYPATH_ERROR_ARGUMENT, "card_version is null, expected 1");
+  CHECK_FAILS(raypath_card_number("{", "/x", &value), RAYPATH_ERROR_ARGUMENT, "expected what `raypath card` writes");
+  CHECK_FAILS(raypath_card_number(card, "/x", NULL), RAYPATH_ERROR_NULL, "value is NULL");
+  CHECK_FAILS(raypath_card_number(NULL, "/x", &value), RAYPATH_ERROR_NULL, "json is NULL");
+  CHECK(value == 1.5);
+}
+
 static void generation(const raypath_datapath *datapath, const char *folder) {
   char path[4096];
   struct stat found;
@@ -184,6 +200,7 @@ int main(int count, char **arguments) {
   operations_that_are_missing();
   pipelines(datapath);
   inspection(datapath);
+  cards();
   generation(datapath, arguments[1]);
   raypath_close(datapath);
   return 0;

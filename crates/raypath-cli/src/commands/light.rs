@@ -22,6 +22,8 @@ pub enum Command {
     Accuracy(Ignored),
     /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA (feature `full`)
     Ppa(Ignored),
+    /// Print a configuration's time, ports, units, area and energy for architecture simulators (feature `full`)
+    Card(Ignored),
     /// Place and route the datapath on an FPGA, or run jobs through its shell as a host does (feature `full`)
     Fpga(Ignored),
     /// Measure many configurations and draw area against clock and throughput (feature `full`)
@@ -42,6 +44,7 @@ impl Command {
             Self::Wave(ignored) => ("wave", ignored),
             Self::Accuracy(ignored) => ("accuracy", ignored),
             Self::Ppa(ignored) => ("ppa", ignored),
+            Self::Card(ignored) => ("card", ignored),
             Self::Fpga(ignored) => ("fpga", ignored),
             Self::Explore(ignored) => ("explore", ignored),
             Self::Bench(ignored) => ("bench", ignored),

@@ -171,6 +171,7 @@ __all__ = [
     "parameters",
     "presets",
     "rays",
+    "read_card",
     "render",
     "rust_seconds",
     "search",
@@ -218,6 +219,12 @@ def presets() -> list[_Text]:
     Returns:
         A row for each preset: ``preset``, ``options`` (what differs from the first, as options of the command line) and
         ``purpose``."""
+
+def read_card(text: str) -> dict[str, Any]:
+    """Reads a card, the text that ``raypath card`` writes, as a dictionary.
+
+    Raises:
+        ValueError: another text, or another version of it."""
 
 def rays(origins: _Numbers, directions: _Numbers, extent: float | _Numbers | None = None) -> _Rays:
     """Rays as the datapath expects them, from origins, directions and extents.
@@ -433,6 +440,11 @@ class Datapath:
 
         Raises:
             OSError: a file or folder that cannot be written; then no file is changed."""
+    def card(self) -> dict[str, Any]:
+        """The figures for architecture simulators, as ``raypath card`` writes them, without measured ones.
+
+        Returns:
+            The document as a dictionary; ``absent`` says why a value is None."""
     def schedule(self) -> list[_Schedule]:
         """The work of each operation in each step of the pipeline (Table VII of the paper).
 
@@ -988,6 +1000,8 @@ class Unit:
         Raises:
             ValueError: another type or shape; an argument out of range.
             KeyboardInterrupt: after Ctrl-C."""
+    def card(self) -> dict[str, Any]:
+        """The figures for architecture simulators, as ``Datapath.card`` has them."""
     def generate(self, folder: str | os.PathLike[str]) -> int:
         """Writes SystemVerilog, assertions, the AXI4 wrapper and manifests, as ``raypath generate --unit`` does.
 

@@ -5,19 +5,17 @@ use crate::{CliError, number, whole};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Progress, Report};
+use raypath_rtl::package::PERIOD_NS;
 use raypath_tools::{OpenSta, Yosys, YosysKind};
 use std::path::{Path, PathBuf};
 
-/// The default period in nanoseconds.
-const PERIOD: f64 = 12.0;
-
 #[derive(Debug, Args)]
 pub struct BenchArguments {
-    /// The cell library: a Liberty file, plain or gzip
-    #[arg(long, default_value = DEFAULT_LIBRARY, value_name = "FILE")]
-    liberty: PathBuf,
+    /// The cell library: a Liberty file, plain or gzip [default, except for `card`: that of Debian's qflow-tech-osu018]
+    #[arg(long, value_name = "FILE")]
+    pub liberty: Option<PathBuf>,
     /// The clock period for which gates are optimised, in nanoseconds; not a limit
-    #[arg(long, default_value_t = PERIOD, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
+    #[arg(long, default_value_t = PERIOD_NS, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
     period: f64,
     /// The part of the period for which units are optimised, in nanoseconds; the gates around them are optimised for
     /// the rest [default: the whole period for both]
@@ -44,8 +42,7 @@ impl BenchArguments {
     /// Whether the user chose the library, a period or a program.
     pub fn is_chosen(&self) -> bool {
         let Self { liberty, period, unit_period, jobs, yosys, .. } = self;
-        let is_default = liberty == Path::new(DEFAULT_LIBRARY) && *period == PERIOD;
-        !is_default || unit_period.is_some() || jobs.is_some() || yosys.is_some()
+        liberty.is_some() || *period != PERIOD_NS || unit_period.is_some() || jobs.is_some() || yosys.is_some()
     }
 
     /// Finds the library and the tools, and measures designs with a progress bar.
@@ -62,7 +59,7 @@ impl BenchArguments {
         }
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         Ok(Bench {
-            library: Library::read(&self.liberty)?,
+            library: Library::read(self.liberty.as_deref().unwrap_or(Path::new(DEFAULT_LIBRARY)))?,
             yosys: Yosys::find(self.yosys)?,
             sta: OpenSta::find()?,
             period: self.period,

@@ -4,6 +4,7 @@ mod accuracy;
 #[cfg_attr(not(feature = "verify"), path = "of_checkout.rs")]
 mod bench;
 mod box_bits;
+mod card;
 mod division;
 mod explore;
 mod fpga;
@@ -52,6 +53,8 @@ pub enum Command {
     Accuracy(accuracy::Arguments),
     /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA
     Ppa(ppa::Arguments),
+    /// Print a configuration's time, ports, units, area and energy for architecture simulators
+    Card(card::Arguments),
     /// Place and route the datapath on an FPGA, or run jobs through its shell as a host does
     Fpga(fpga::Arguments),
     /// Measure many configurations and draw area against clock and throughput
@@ -74,6 +77,7 @@ impl Command {
             Self::Wave(arguments) => wave::run(&arguments, out),
             Self::Accuracy(arguments) => accuracy::run(&arguments, out),
             Self::Ppa(arguments) => ppa::run(&arguments, out),
+            Self::Card(arguments) => card::run(&arguments, out),
             Self::Fpga(arguments) => fpga::run(&arguments, out),
             Self::Explore(arguments) => explore::run(&arguments, out),
             Self::BoxBits(arguments) => box_bits::run(&arguments, out),

@@ -21,65 +21,73 @@ use std::path::PathBuf;
 #[command(after_help = not_with_unit())]
 pub struct Arguments {
     #[command(flatten)]
-    datapath: DatapathArguments,
-    /// Measure the traversal unit with this datapath inside; its parts are the stages
-    #[arg(long)]
-    unit: bool,
-    #[command(flatten)]
-    parameters: UnitArguments,
-    #[command(flatten)]
-    bench: BenchArguments,
+    subject: Subject,
     /// Compare with the report in this folder (its ppa.json)
     #[arg(long, value_name = "DIR")]
     against: Option<PathBuf>,
     /// The folder to write ppa.json and ppa.svg to
     #[arg(long, default_value = "build/ppa", value_name = "DIR")]
     out: PathBuf,
-    /// Measure power too: simulate the gates with real and random jobs
-    #[arg(long, conflicts_with = "unit")]
-    power: bool,
     /// Write the activity of every net in each workload too, as SAIF of about 13 MB
     #[arg(long, requires = "power")]
     saif: bool,
-    #[command(flatten)]
-    jobs: JobArguments,
     /// Print the report as JSON instead of tables
     #[arg(long)]
     json: bool,
 }
 
+/// A design, and what of it is measured.
+#[derive(Debug, Args)]
+pub struct Subject {
+    #[command(flatten)]
+    pub datapath: DatapathArguments,
+    /// Measure the traversal unit with this datapath inside; its parts are the stages
+    #[arg(long)]
+    pub unit: bool,
+    #[command(flatten)]
+    pub parameters: UnitArguments,
+    #[command(flatten)]
+    pub bench: BenchArguments,
+    /// Measure power too: simulate the gates with real and random jobs
+    #[arg(long, conflicts_with = "unit")]
+    pub power: bool,
+    #[command(flatten)]
+    jobs: JobArguments,
+}
+
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     // Read first, so that an error is reported before minutes of work.
     let baseline = arguments.against.as_deref().map(Baseline::read).transpose()?;
-    let workloads = match arguments.power {
-        true => {
-            let (config, datapath) = arguments.datapath.datapath()?;
-            Some(power::workloads(&arguments.jobs, config, &datapath)?)
-        }
-        false => None,
-    };
-    let design = arguments.design()?;
-    let reports = arguments.bench.measure(std::slice::from_ref(&design))?;
-    for mut report in reports {
-        let mut written = Vec::new();
-        if let Some(workloads) = &workloads {
-            let bench = arguments.bench.bench()?;
-            let measured = resumable(|watch| bench.power(&design, &report, workloads, arguments.saif, watch))?;
-            written.extend(power_files(&measured, &arguments.out));
-            report.power = Some(measured.power);
-        }
-        written.extend(files(&report, &arguments.out)?);
-        write_all(&written)?;
-        if arguments.json {
-            writeln!(out, "{}", json(&report)?)?;
-        } else {
-            show(&report, baseline.as_ref(), arguments, out)?;
-        }
+    let (report, power) = arguments.subject.measure(arguments.saif)?;
+    let mut written = power.map(|measured| power_files(&measured, &arguments.out)).unwrap_or_default();
+    written.extend(files(&report, &arguments.out)?);
+    write_all(&written)?;
+    if arguments.json {
+        Ok(writeln!(out, "{}", json(&report)?)?)
+    } else {
+        show(&report, baseline.as_ref(), arguments, out)
     }
-    Ok(())
 }
 
-impl Arguments {
+impl Subject {
+    /// The report, and what belongs to it if power is measured.
+    pub fn measure(&self, with_saif: bool) -> Result<(Report, Option<PowerResults>), CliError> {
+        let workloads = match self.power {
+            true => {
+                let (config, datapath) = self.datapath.datapath()?;
+                Some(power::workloads(&self.jobs, config, &datapath)?)
+            }
+            false => None,
+        };
+        let (design, bench) = (self.design()?, self.bench.bench()?);
+        let mut reports = resumable(|watch| bench.measure(std::slice::from_ref(&design), watch))?;
+        let mut report = reports.pop().ok_or_else(|| CliError::unusable("no report, expected one"))?;
+        let power = |workloads| resumable(|watch| bench.power(&design, &report, workloads, with_saif, watch));
+        let measured = workloads.as_deref().map(power).transpose()?;
+        report.power = measured.as_ref().map(|measured| measured.power.clone());
+        Ok((report, measured))
+    }
+
     fn design(&self) -> Result<Design, CliError> {
         let (config, datapath) = self.datapath.datapath()?;
         let name = self.datapath.name(config);
