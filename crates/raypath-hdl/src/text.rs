@@ -14,17 +14,21 @@ pub struct Package {
     pub name: String,
     /// The lines of its head comment.
     pub doc: Vec<String>,
-    /// Names for the values of a word, such as opcodes.
-    pub enumeration: Option<Enumeration>,
+    /// Names for the values of words, such as opcodes, and for bits of words.
+    pub enumerations: Vec<Enumeration>,
     /// Packed structures; a structure comes after those that it contains.
     pub structures: Vec<Structure>,
 }
 
-/// An enumeration. Cases that use its labels refer to the package; they declare no labels of their own.
+/// An enumeration. Cases that use its labels refer to the package; they declare no labels of their own. A constant with
+/// the name of a label as its [hint](crate::Wire::hint) is printed by that name, and so is the place of one bit of a
+/// word: of that label's value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enumeration {
     /// The name of its type.
     pub name: String,
+    /// The comment above it.
+    pub doc: Option<String>,
     /// Its width in bits.
     pub width: u32,
     /// Names and values.
@@ -137,8 +141,18 @@ pub fn plain(module: &Arc<Module>) -> Arc<Module> {
 impl Package {
     /// The name by which modules refer to a label, if the package has it.
     pub(crate) fn label(&self, name: &str) -> Option<String> {
-        let labels = self.enumeration.iter().flat_map(|enumeration| &enumeration.labels);
-        labels.into_iter().find(|label| label.name == name).map(|label| format!("{}::{}", self.name, label.name))
+        self.enumeration_of(name).map(|_| format!("{}::{name}", self.name))
+    }
+
+    /// The enumeration that has a label.
+    pub(crate) fn enumeration_of(&self, name: &str) -> Option<&Enumeration> {
+        self.enumerations.iter().find(|enumeration| enumeration.value(name).is_some())
+    }
+}
+
+impl Enumeration {
+    fn value(&self, name: &str) -> Option<u64> {
+        self.labels.iter().find(|label| label.name == name).map(|label| label.value)
     }
 }
 
@@ -182,6 +196,15 @@ impl Module {
     /// How it is printed.
     pub fn text(&self) -> &Text {
         &self.text
+    }
+
+    /// The label of the package that a signal has as its hint, if the label has this value and, of a constant, this
+    /// width.
+    pub(crate) fn hinted_label(&self, signal: &Signal, value: u64, width: Option<u32>) -> Option<String> {
+        let (package, name) = (self.text.package.as_ref()?, signal.hint.as_ref()?);
+        let enumeration = package.enumeration_of(name)?;
+        let fits = enumeration.value(name) == Some(value) && width.is_none_or(|width| width == enumeration.width);
+        fits.then(|| format!("{}::{name}", package.name))
     }
 
     /// How its text refers to one of its ports: `data_i.num[3]` for a port in a structure, otherwise its name.

@@ -55,6 +55,7 @@ pub mod wide8;
 
 pub use kind::NodeKind;
 
+use crate::codes::Codes;
 use crate::instance::INSTANCE_KIND;
 use raypath_ops::{Aabb, Binary32, Slab, Triangle, array_of};
 use thiserror::Error;
@@ -68,6 +69,25 @@ pub const MAX_LEAF: u32 = 8;
 const LAST_LEAF: u32 = 2 * MAX_LEAF;
 /// The kinds of a leaf of a procedural box: of an opaque geometry, and of another.
 pub const BOX_KINDS: [u32; 2] = [17, 25];
+/// The kinds of a child word with names. Those of leaves of triangles begin with the first of each opacity; there are
+/// [`MAX_LEAF`] of them, one for each number of triangles.
+pub(crate) const KINDS: Codes = Codes {
+    stem: "Child",
+    doc: "What the lower bits of a child word say that it leads to.",
+    first_bit: None,
+    all: &[
+        ("NONE", 0),
+        ("OPAQUE_LEAF", 1),
+        ("OTHER_LEAF", MAX_LEAF + 1),
+        ("OPAQUE_BOX", BOX_KINDS[0]),
+        ("OTHER_BOX", BOX_KINDS[1]),
+        ("NODE", NODE_KIND),
+        ("INSTANCE", INSTANCE_KIND),
+        ("SECOND_WINDOW", wide8::CONTINUATION),
+        ("THIRD_WINDOW", wide8::CONTINUATION + 1),
+        ("INVALID", wide8::INVALID),
+    ],
+};
 /// The words of 32 bits that a triangle's vertices take.
 pub const VERTEX_WORDS: usize = 9;
 /// The word of a quantised leaf's block with the numbers of the second triangle's vertices.

@@ -15,6 +15,7 @@ mod hits;
 mod issue;
 mod jobs;
 mod names;
+mod package;
 mod parameters;
 mod properties;
 mod queue;

@@ -8,6 +8,7 @@
 mod answers;
 pub mod blocks;
 mod candidate;
+mod codes;
 mod cycle;
 mod descent;
 mod engine;

@@ -1,49 +1,56 @@
 //! Which primitives count for a ray: its flags and its mask, the words of the instance that it is in, and whether a
 //! geometry is opaque. The rules are those of Vulkan's `VK_KHR_ray_query` and of DirectX Raytracing.
 
-use crate::words::{WordCircuit, WordMethods};
+use crate::codes::codes;
+use crate::words::WordCircuit;
 use raypath_ops::{Bit, Circuit, Select, Word, bundle};
 use thiserror::Error;
 
-/// The flags of a ray. The bits are those of SPIR-V's `RayFlags`.
-pub mod ray_flags {
+codes! {
+    /// The flags of a ray. The bits are those of SPIR-V's `RayFlags`.
+    pub mod ray_flags: "RayFlag", "The bits of ray_flags_i.", Some(0);
     /// Every triangle counts as opaque.
-    pub const OPAQUE: u32 = 1 << 0;
+    OPAQUE = 1 << 0;
     /// Every triangle counts as non-opaque.
-    pub const NO_OPAQUE: u32 = 1 << 1;
+    NO_OPAQUE = 1 << 1;
     /// The ray ends with the first hit that is committed. All triangles of a block are tested before.
-    pub const TERMINATE_ON_FIRST_HIT: u32 = 1 << 2;
+    TERMINATE_ON_FIRST_HIT = 1 << 2;
     /// Traversal does not depend on it.
-    pub const SKIP_CLOSEST_HIT_SHADER: u32 = 1 << 3;
+    SKIP_CLOSEST_HIT_SHADER = 1 << 3;
     /// Back faces are not hit.
-    pub const CULL_BACK_FACING_TRIANGLES: u32 = 1 << 4;
+    CULL_BACK_FACING_TRIANGLES = 1 << 4;
     /// Front faces are not hit.
-    pub const CULL_FRONT_FACING_TRIANGLES: u32 = 1 << 5;
+    CULL_FRONT_FACING_TRIANGLES = 1 << 5;
     /// Primitives that count as opaque are not hit.
-    pub const CULL_OPAQUE: u32 = 1 << 6;
+    CULL_OPAQUE = 1 << 6;
     /// Primitives that count as non-opaque are not hit.
-    pub const CULL_NO_OPAQUE: u32 = 1 << 7;
+    CULL_NO_OPAQUE = 1 << 7;
     /// Triangles are not hit.
-    pub const SKIP_TRIANGLES: u32 = 1 << 8;
+    SKIP_TRIANGLES = 1 << 8;
     /// Procedural boxes are not hit.
-    pub const SKIP_AABBS: u32 = 1 << 9;
-    /// All of them.
-    pub const ALL: u32 = (1 << 10) - 1;
+    SKIP_AABBS = 1 << 9;
+    {
+        /// All of them.
+        pub const ALL: u32 = (1 << 10) - 1;
+    }
 }
 
-/// The flags of an instance, in bits 24 to 31 of the word with its offset. The bits are those of Vulkan's
-/// `VkGeometryInstanceFlagBitsKHR`.
-pub mod instance_flags {
+codes! {
+    /// The flags of an instance, in bits 24 to 31 of the word with its offset. The bits are those of Vulkan's
+    /// `VkGeometryInstanceFlagBitsKHR`.
+    pub mod instance_flags: "InstanceFlag", "The bits of the word of an instance with its offset that are flags.", Some(24);
     /// Faces are not culled.
-    pub const FACING_CULL_DISABLE: u32 = 1 << 0;
+    FACING_CULL_DISABLE = 1 << 0;
     /// The back face is the front, and the front the back.
-    pub const FLIP_FACING: u32 = 1 << 1;
+    FLIP_FACING = 1 << 1;
     /// Its geometries count as opaque.
-    pub const FORCE_OPAQUE: u32 = 1 << 2;
+    FORCE_OPAQUE = 1 << 2;
     /// Its geometries count as non-opaque.
-    pub const FORCE_NO_OPAQUE: u32 = 1 << 3;
-    /// All of them.
-    pub const ALL: u32 = (1 << 4) - 1;
+    FORCE_NO_OPAQUE = 1 << 3;
+    {
+        /// All of them.
+        pub const ALL: u32 = (1 << 4) - 1;
+    }
 }
 
 /// What a unit does beside finding hits of opaque triangles.
@@ -163,15 +170,16 @@ impl<C: WordCircuit> RayFlags<C> {
     /// The flags in a word of [`ray_flags`].
     #[inline(always)]
     pub fn of(word: Word<C, 10>) -> Self {
+        let has = |flag: u32| ray_flags::CODES.bit(word, flag);
         Self {
-            opaque: word.part::<0, 1>().is(1),
-            no_opaque: word.part::<1, 1>().is(1),
-            cull_back: word.part::<4, 1>().is(1),
-            cull_front: word.part::<5, 1>().is(1),
-            cull_opaque: word.part::<6, 1>().is(1),
-            cull_no_opaque: word.part::<7, 1>().is(1),
-            skip_triangles: word.part::<8, 1>().is(1),
-            skip_boxes: word.part::<9, 1>().is(1),
+            opaque: has(ray_flags::OPAQUE),
+            no_opaque: has(ray_flags::NO_OPAQUE),
+            cull_back: has(ray_flags::CULL_BACK_FACING_TRIANGLES),
+            cull_front: has(ray_flags::CULL_FRONT_FACING_TRIANGLES),
+            cull_opaque: has(ray_flags::CULL_OPAQUE),
+            cull_no_opaque: has(ray_flags::CULL_NO_OPAQUE),
+            skip_triangles: has(ray_flags::SKIP_TRIANGLES),
+            skip_boxes: has(ray_flags::SKIP_AABBS),
         }
     }
 
@@ -233,11 +241,12 @@ impl<C: WordCircuit> InstanceFlags<C> {
     /// The flags in the word of an instance that has its offset, too.
     #[inline(always)]
     pub fn of(word: Word<C, 32>) -> Self {
+        let has = |flag: u32| instance_flags::CODES.bit(word, flag);
         Self {
-            no_facing_cull: word.part::<24, 1>().is(1),
-            flipped: word.part::<25, 1>().is(1),
-            force_opaque: word.part::<26, 1>().is(1),
-            force_no_opaque: word.part::<27, 1>().is(1),
+            no_facing_cull: has(instance_flags::FACING_CULL_DISABLE),
+            flipped: has(instance_flags::FLIP_FACING),
+            force_opaque: has(instance_flags::FORCE_OPAQUE),
+            force_no_opaque: has(instance_flags::FORCE_NO_OPAQUE),
         }
     }
 }

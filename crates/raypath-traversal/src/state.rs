@@ -1,63 +1,68 @@
 //! What the unit keeps for a ray, what it learns, and what it asks for next.
 
+use crate::codes::codes;
 use crate::query::{Culls, InstanceFlags, InstanceWords, RayFlags, select_fields};
 use crate::words::{Levels, WordCircuit};
 use raypath_ops::{Bit, Circuit, Flags, Num, Select, Word, array_of, bundle};
 
-/// The kinds of an [`Answer`].
-pub mod answer {
+codes! {
+    /// The kinds of an [`Answer`].
+    pub mod answer: "Answer", "What a ray learns in a step.", None;
     /// A ray begins.
-    pub const START: u32 = 0;
+    START = 0;
     /// The outcome of a box job.
-    pub const BOXES: u32 = 1;
+    BOXES = 1;
     /// The outcomes of the triangle jobs of a block.
-    pub const BLOCK: u32 = 2;
+    BLOCK = 2;
     /// Nothing new: the ray asked to continue, because it reads its stack once in a step.
-    pub const CONTINUE: u32 = 3;
+    CONTINUE = 3;
     /// The memory reported an error.
-    pub const ERROR: u32 = 4;
+    ERROR = 4;
     /// A ray begins that its set-up refuses.
-    pub const REFUSED: u32 = 5;
+    REFUSED = 5;
     /// The constants of a ray in the space of an instance are there.
-    pub const ENTER: u32 = 6;
+    ENTER = 6;
     /// The set-up refuses the ray in the space of an instance.
-    pub const CANNOT_ENTER: u32 = 7;
+    CANNOT_ENTER = 7;
     /// What the user decides about a candidate.
-    pub const VERDICT: u32 = 8;
+    VERDICT = 8;
 }
 
-/// The kinds of a [`Request`].
-pub mod request {
+codes! {
+    /// The kinds of a [`Request`].
+    pub mod request: "Request", "What a ray asks for after a step.", None;
     /// To fetch a block.
-    pub const FETCH: u32 = 0;
+    FETCH = 0;
     /// Another step, with the answer [`CONTINUE`](super::answer::CONTINUE).
-    pub const CONTINUE: u32 = 1;
+    CONTINUE = 1;
     /// The ray is done.
-    pub const DONE: u32 = 2;
+    DONE = 2;
     /// The user's verdict on a candidate.
-    pub const CANDIDATE: u32 = 3;
+    CANDIDATE = 3;
 }
 
-/// The ways in which a ray ends.
-pub mod status {
+codes! {
+    /// The ways in which a ray ends.
+    pub mod status: "Status", "How a ray ends: hit_status_o.", None;
     /// It hits nothing.
-    pub const MISS: u32 = 0;
+    MISS = 0;
     /// It hits a triangle.
-    pub const HIT: u32 = 1;
+    HIT = 1;
     /// It hits a procedural box, as the user decided.
-    pub const PROCEDURAL: u32 = 2;
+    PROCEDURAL = 2;
     /// The ray was refused: its direction cannot be inverted, a value is not finite, or its flags have no meaning.
-    pub const REFUSED: u32 = 3;
+    REFUSED = 3;
     /// The memory reported an error.
-    pub const MEMORY: u32 = 4;
+    MEMORY = 4;
     /// The scene is not a tree of at most 64 levels, or has an instance that the ray cannot enter.
-    pub const SCENE: u32 = 5;
+    SCENE = 5;
     /// The ray has read as many nodes as it may.
-    pub const LIMIT: u32 = 6;
-
-    /// Whether a ray that ends so has a hit.
-    pub const fn is_hit(status: u32) -> bool {
-        matches!(status, HIT | PROCEDURAL)
+    LIMIT = 6;
+    {
+        /// Whether a ray that ends so has a hit.
+        pub const fn is_hit(status: u32) -> bool {
+            matches!(status, HIT | PROCEDURAL)
+        }
     }
 }
 

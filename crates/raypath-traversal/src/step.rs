@@ -17,7 +17,7 @@
 //! at the root. With nested instances, the constants are those in the innermost: if the child is in an instance that is
 //! neither the innermost nor none, the ray descends again from the root, which enters it again.
 
-use crate::blocks::{BOX_KINDS, MAX_LEAF, NODE_KIND, NodeKind, wide8};
+use crate::blocks::{BOX_KINDS, KINDS, MAX_LEAF, NODE_KIND, NodeKind, wide8};
 use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
 use crate::query::{Front, InstanceFlags, InstanceWords, Queries};
 use crate::state::{Answer, Group, RayState, Request, answer, request, status};
@@ -199,13 +199,14 @@ pub fn prepare<C: WordCircuit>(
     node_limit: Word<C, 32>,
 ) -> HalfStep<C> {
     let features = parameters.features;
-    let starts = answer.kind.is(answer::START);
-    let has_boxes = answer.kind.is(answer::BOXES);
-    let has_block = answer.kind.is(answer::BLOCK);
-    let continues = answer.kind.is(answer::CONTINUE);
-    let is_refused = answer.kind.is(answer::REFUSED);
+    let is = |kind: u32| answer::CODES.is(answer.kind, kind);
+    let starts = is(answer::START);
+    let has_boxes = is(answer::BOXES);
+    let has_block = is(answer::BLOCK);
+    let continues = is(answer::CONTINUE);
+    let is_refused = is(answer::REFUSED);
     let [root, index, custom_and_mask, offset_and_flags] = answer.child;
-    let is_of_instance = |kind: u32| if features.instances { answer.kind.is(kind) } else { c.bit(false) };
+    let is_of_instance = |kind: u32| if features.instances { is(kind) } else { c.bit(false) };
     let (may_enter, may_not) = (is_of_instance(answer::ENTER), is_of_instance(answer::CANNOT_ENTER));
     let mask: Word<C, 8> = custom_and_mask.part::<24, 8>();
     let no_bit = Word::<C, 8>::new(c, c.word_and(8, mask.value, state.cull_mask.value)).is(0);
@@ -213,10 +214,10 @@ pub fn prepare<C: WordCircuit>(
     let is_closed = if features.has_flags() { no_bit | root.is(0) } else { root.is(0) };
     let stays_out = (may_enter | may_not) & is_closed;
     let (enters, cannot_enter) = (may_enter & !is_closed, may_not & !is_closed);
-    let failed = answer.kind.is(answer::ERROR) | is_refused | cannot_enter;
+    let failed = is(answer::ERROR) | is_refused | cannot_enter;
 
     let no = c.bit(false);
-    let has_verdict = if features.has_candidates() { answer.kind.is(answer::VERDICT) } else { no };
+    let has_verdict = if features.has_candidates() { is(answer::VERDICT) } else { no };
     let block = tested_block(parameters, &state, &answer, has_block, has_verdict);
     let state = with_hit(parameters, state, &answer, block.commits);
     let is_done = (has_block & !block.asks) | has_verdict;
@@ -385,18 +386,20 @@ pub fn finish<C: WordCircuit>(
         instance_flags,
         ..state
     };
+    let asks = |kind: u32| request::CODES.word(c, kind);
     let kind = is_done.select(
-        c.word(request::DONE),
-        (drops | is_lost | skips_leaf | is_missing).select(c.word(request::CONTINUE), c.word(request::FETCH)),
+        asks(request::DONE),
+        (drops | is_lost | skips_leaf | is_missing).select(asks(request::CONTINUE), asks(request::FETCH)),
     );
     let kind =
-        if parameters.features.has_candidates() { half.asks.select(c.word(request::CANDIDATE), kind) } else { kind };
+        if parameters.features.has_candidates() { half.asks.select(asks(request::CANDIDATE), kind) } else { kind };
+    let ends_as = |code: u32| status::CODES.word(c, code);
     let of_box = if parameters.features.has_candidates() { state.hit_is_box } else { c.bit(false) };
-    let of_hit = of_box.select(c.word(status::PROCEDURAL), c.word(status::HIT));
-    let found = state.has_hit.select(of_hit, c.word(status::MISS));
-    let of_scene = (is_invalid | half.cannot_enter).select(c.word(status::SCENE), c.word(status::LIMIT));
-    let of_memory = (half.failed & !half.cannot_enter).select(c.word(status::MEMORY), of_scene);
-    let failure = half.is_refused.select(c.word(status::REFUSED), of_memory);
+    let of_hit = of_box.select(ends_as(status::PROCEDURAL), ends_as(status::HIT));
+    let found = state.has_hit.select(of_hit, ends_as(status::MISS));
+    let of_scene = (is_invalid | half.cannot_enter).select(ends_as(status::SCENE), ends_as(status::LIMIT));
+    let of_memory = (half.failed & !half.cannot_enter).select(ends_as(status::MEMORY), of_scene);
+    let failure = half.is_refused.select(ends_as(status::REFUSED), of_memory);
     let request = Request {
         kind,
         address,
@@ -622,22 +625,23 @@ impl<C: WordCircuit> Target<C> {
             NodeKind::Wide4 | NodeKind::Wide8 => child.part::<0, 7>(),
             NodeKind::Quantised => child.part::<0, 6>().widened(),
         };
+        let is = |known: u32| KINDS.is(kind, known);
         let fits = level.less(c.word(LEVELS));
         let last = if features.has_flags() { 2 * MAX_LEAF } else { MAX_LEAF };
-        let is_triangles = !kind.is(0) & kind.less(c.word(last + 1));
-        let (opaque_box, other_box) = (kind.is(BOX_KINDS[0]), kind.is(BOX_KINDS[1]));
+        let is_triangles = !is(0) & kind.less(KINDS.word(c, last + 1));
+        let (opaque_box, other_box) = (is(BOX_KINDS[0]), is(BOX_KINDS[1]));
         let is_box = if features.has_candidates() { opaque_box | other_box } else { c.bit(false) };
-        let is_opaque = kind.less(c.word(MAX_LEAF + 1)) | (opaque_box & is_box);
+        let is_opaque = kind.less(KINDS.word(c, MAX_LEAF + 1)) | (opaque_box & is_box);
         // The count of a leaf is in the three lowest bits of its kind, where 0 stands for 8.
         let lowest: Word<C, 3> = child.part::<0, 3>();
         let lowest = Word::new(c, c.word_join((1, c.word_of_bit(lowest.is(0).value)), (3, lowest.value)));
         let count = if features.has_flags() { lowest } else { child.part::<0, 4>() };
         let address = Word::new(c, c.word_join((32 - low, part(low, 32 - low)), (low, c.constant_word(low, 0))));
-        let is_instance = fits & kind.is(INSTANCE_KIND);
-        let mut is_node = kind.is(NODE_KIND);
+        let is_instance = fits & is(INSTANCE_KIND);
+        let mut is_node = is(NODE_KIND);
         let mut window = c.word(0);
         if node == NodeKind::Wide8 {
-            let continues = [wide8::CONTINUATION, wide8::CONTINUATION + 1].map(|known| kind.is(known));
+            let continues = [wide8::CONTINUATION, wide8::CONTINUATION + 1].map(&is);
             is_node = is_node | continues[0] | continues[1];
             window = kind.part::<6, 1>().is(1).select(kind.part::<0, 2>(), window);
         }

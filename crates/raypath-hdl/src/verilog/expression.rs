@@ -6,7 +6,7 @@
 
 use super::layout::width_text;
 use super::plan::Rendering;
-use crate::netlist::{Driver, Module, SignalId, mask};
+use crate::netlist::{Driver, Module, Signal, SignalId, mask};
 use crate::text::PAYLOAD;
 
 /// Text, and the properties that decide about parentheses around it.
@@ -52,7 +52,10 @@ pub fn render(module: &Module, renderings: &[Rendering], id: SignalId) -> Expres
         Driver::Constant(0) if module.text().has_width_parameter && width == PAYLOAD => {
             Expression::primary("'0".to_string())
         }
-        Driver::Constant(value) => Expression::primary(constant(width, *value)),
+        Driver::Constant(value) => {
+            let label = module.hinted_label(module.signal(id), *value, Some(width));
+            Expression::primary(label.unwrap_or_else(|| constant(width, *value)))
+        }
         Driver::Not(a) => match (&renderings[a.index()], &module.signal(*a).driver) {
             (Rendering::Inline(_), Driver::Equal(x, y)) => binary(x, "!=", y),
             _ => unary("~", a, Shape::Not),
@@ -83,7 +86,7 @@ pub fn render(module: &Module, renderings: &[Rendering], id: SignalId) -> Expres
         Driver::Concat(parts) => concat(module, parts, read),
         Driver::Slice { source, low } => {
             let (root, low) = slice_root(module, *source, *low);
-            select(module, renderings, root, low, width)
+            select(module, renderings, module.signal(id), root, low)
         }
         Driver::Alias(source) => read(*source),
     }
@@ -192,8 +195,8 @@ fn concat(module: &Module, parts: &[SignalId], read: impl Fn(SignalId) -> Expres
     }
 }
 
-fn select(module: &Module, renderings: &[Rendering], root: SignalId, low: u32, width: u32) -> Expression {
-    let signal = module.signal(root);
+fn select(module: &Module, renderings: &[Rendering], slice: &Signal, root: SignalId, low: u32) -> Expression {
+    let (signal, width) = (module.signal(root), slice.width);
     let high = low + width - 1;
     match (&renderings[root.index()], &signal.driver) {
         (Rendering::Inline(_), Driver::Constant(value)) => {
@@ -210,8 +213,11 @@ fn select(module: &Module, renderings: &[Rendering], root: SignalId, low: u32, w
                 return Expression::primary(format!("{whole}[{}:{}]", offset + high, offset + low));
             }
             // Yosys 0.23 crashes on one bit of an array's element in a structure, but not on a range of one bit.
-            let is_bit = width == 1 && !root.ends_with(']');
-            Expression::primary(if is_bit { format!("{root}[{low}]") } else { format!("{root}[{high}:{low}]") })
+            if width > 1 || root.ends_with(']') {
+                return Expression::primary(format!("{root}[{high}:{low}]"));
+            }
+            let place = module.hinted_label(slice, low.into(), None).unwrap_or_else(|| low.to_string());
+            Expression::primary(format!("{root}[{place}]"))
         }
     }
 }

@@ -60,15 +60,12 @@ impl<'m> Labels<'m> {
         self.constants.contains(&id)
     }
 
-    /// The labels of the package's enumeration without an arm of their own.
+    /// The labels without an arm of their own of the package's enumeration that has those of the arms.
     pub fn others(&self, arms: &[Arm]) -> Vec<String> {
         let known = |name: &str| arms.iter().any(|arm| arm.label.name == name);
-        let package = self.module.text().package.as_ref();
-        let Some(package) = package.filter(|package| arms.iter().any(|arm| package.label(&arm.label.name).is_some()))
-        else {
-            return Vec::new();
-        };
-        let labels = package.enumeration.iter().flat_map(|enumeration| &enumeration.labels);
+        let Some(package) = &self.module.text().package else { return Vec::new() };
+        let enumeration = arms.iter().find_map(|arm| package.enumeration_of(&arm.label.name));
+        let labels = enumeration.into_iter().flat_map(|enumeration| &enumeration.labels);
         labels.filter(|label| !known(&label.name)).filter_map(|label| package.label(&label.name)).collect()
     }
 

@@ -8,7 +8,7 @@ use crate::text::{Enumeration, Package, Structure};
 pub fn print_package(package: &Package, banner: &[String]) -> String {
     let mut lines = head_comment(banner, &package.doc);
     lines.push(format!("package {};", package.name));
-    lines.extend(package.enumeration.iter().flat_map(enumeration));
+    lines.extend(package.enumerations.iter().flat_map(enumeration));
     lines.extend(package.structures.iter().flat_map(structure));
     lines.extend([String::new(), format!("endpackage : {}", package.name)]);
     lines.into_iter().map(|line| line + "\n").collect()
@@ -21,7 +21,9 @@ fn enumeration(enumeration: &Enumeration) -> Vec<String> {
         [label.name.clone(), format!("= {width}'d{}{}", label.value, if place < last { "," } else { "" })]
     };
     let kind = if width == 1 { "logic".to_string() } else { format!("logic [{}:0]", width - 1) };
-    let mut lines = vec![String::new(), format!("  typedef enum {kind} {{")];
+    let mut lines = vec![String::new()];
+    lines.extend(enumeration.doc.iter().flat_map(|doc| comment(doc)).map(|line| format!("  {line}")));
+    lines.push(format!("  typedef enum {kind} {{"));
     lines.extend(table("    ", &enumeration.labels.iter().enumerate().map(row).collect::<Vec<_>>()));
     lines.push(format!("  }} {};", enumeration.name));
     lines

@@ -40,7 +40,7 @@ pub fn package(plan: &Plan, library: &Library) -> Arc<Package> {
     Arc::new(Package {
         name: PACKAGE.to_string(),
         doc: vec!["The opcodes, and what the registers between the stages hold.".to_string()],
-        enumeration: Some(Enumeration { name: "opcode_e".to_string(), width: plan.opcode_width(), labels }),
+        enumerations: vec![Enumeration { name: "opcode_e".to_string(), doc: None, width: plan.opcode_width(), labels }],
         structures: std::iter::once(operation).chain(registers).collect(),
     })
 }

@@ -21,7 +21,7 @@ pub fn package(datapath: &DatapathNetlist, structures: &Structures, banner: &[St
             format!("The inputs and outputs of {name}_wrapper as structures. Their fields are the ports of the module"),
             format!("{name}, grouped by the words of their names. Numbers are encoded as at the ports."),
         ],
-        enumeration: None,
+        enumerations: Vec::new(),
         structures: structures.iter().map(structure).collect(),
     };
     print_package(&package, &licensed(banner))

@@ -26,7 +26,7 @@
 //! | 010, 100 in bits 7 to 5 | ours: bits 4 to 0 are the lower bits of a [kind](super::Child), whose bit 5 is 0 or 1 |
 
 use super::quantised::{self, Contained};
-use super::{MAX_LEAF, NODE_KIND, NodeKind, word};
+use super::{KINDS, MAX_LEAF, NODE_KIND, NodeKind, word};
 use crate::words::{WordCircuit, WordMethods};
 use raypath_ops::{Aabb, Binary32, Bit, Flags, Num, SortEntry, Word, array_of, bundle};
 use std::ops::RangeInclusive;
@@ -51,7 +51,7 @@ const OTHER_KINDS: [RangeInclusive<u32>; 2] = [MAX_LEAF + 1..=MAX_LEAF + WINDOW,
 /// The byte of child 0 that is a node.
 const NODE_BYTE: u8 = 1 << 5 | 24;
 /// A kind that is not valid.
-const INVALID: u32 = 127;
+pub(crate) const INVALID: u32 = 127;
 
 /// A node with eight children.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -165,12 +165,12 @@ pub fn child<C: WordCircuit>(c: C, words: [Word<C, 32>; 4], number: Word<C, 3>) 
     let (upper, kind): (_, Word<C, 7>) = (byte.part::<5, 3>(), byte.part::<0, 5>().widened());
     let of_other: Word<C, 7> = upper.is(4).select(
         Word::new(c, c.word_or(7, kind.value, c.constant_word(7, 32))),
-        upper.is(2).select(kind, c.word(INVALID)),
+        upper.is(2).select(kind, KINDS.word(c, INVALID)),
     );
     let of_leaf = upper.is(7).select(c.word(3), upper.is(3).select(c.word(2), c.word(1)));
     let is_leaf = byte.part::<5, 1>().is(1) & (!byte.part::<6, 1>().is(0) | byte.part::<7, 1>().is(0));
-    let kind = own.select(c.word(NODE_KIND), is_leaf.select(of_leaf, of_other));
-    let kind = base.part::<25, 7>().is(0).select(kind, c.word(INVALID));
+    let kind = own.select(KINDS.word(c, NODE_KIND), is_leaf.select(of_leaf, of_other));
+    let kind = base.part::<25, 7>().is(0).select(kind, KINDS.word(c, INVALID));
     joined(base.part::<0, 25>().plus(rank.widened()), kind)
 }
 
@@ -202,7 +202,7 @@ pub fn continuation<C: WordCircuit>(c: C, address: Word<C, 32>, window: Word<C, 
 #[inline(always)]
 pub fn given<C: WordCircuit>(c: C, word: Word<C, 32>) -> Word<C, 32> {
     let is_continuation = word.part::<6, 1>().is(1);
-    joined(word.part::<7, 25>(), is_continuation.select(c.word(INVALID), word.part::<0, 7>()))
+    joined(word.part::<7, 25>(), is_continuation.select(KINDS.word(c, INVALID), word.part::<0, 7>()))
 }
 
 fn joined<C: WordCircuit>(block: Word<C, 25>, kind: Word<C, 7>) -> Word<C, 32> {

@@ -1,6 +1,7 @@
 //! The hits of rays that have ended.
 
 use super::connect::{Access, Inputs, Named, hold, keep, named};
+use super::package::{code, refer_to_package};
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::weights::weights;
@@ -40,14 +41,14 @@ pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_hits");
     let m = &builder;
     m.doc("The hits of rays that have ended, in the order of their ends.");
+    refer_to_package(m, features);
     let width = bits(contexts);
     let ends = m.input("ends_i", 1);
     let context = m.input("context_i", width);
     let status_word = m.input("status_i", 3);
     let ready = m.input("ready_i", 1);
-    let is_triangle = status_word.is(status::HIT.into());
-    let is_hit =
-        if features.has_candidates() { is_triangle | status_word.is(status::PROCEDURAL.into()) } else { is_triangle };
+    let is = |known: u32| status_word.equals(code(m, &status::CODES, 3, known));
+    let is_hit = if features.has_candidates() { is(status::HIT) | is(status::PROCEDURAL) } else { is(status::HIT) };
     let is_hit = is_hit.named("is_hit");
     let value = |(name, field, width, is_of_hit): (&str, &str, u32, bool)| {
         let state = m.input(&format!("next_{field}_i"), width);

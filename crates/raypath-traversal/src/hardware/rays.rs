@@ -3,6 +3,7 @@
 use super::connect::{Inputs, Named, delay, keep, named, prefixed};
 use super::contexts::contexts;
 use super::entries::entries;
+use super::package::refer_to_package;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::set_up::set_up;
@@ -12,7 +13,7 @@ use crate::set_up::Entry;
 use crate::state::RayWords;
 use crate::step::StepParameters;
 use raypath_hdl::{Builder, Error, Module};
-use raypath_ops::{Bit, Vec3, Word};
+use raypath_ops::{Vec3, Word};
 use std::sync::Arc;
 
 /// The module `raypath_unit_rays`.
@@ -36,6 +37,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_rays");
     let m = &builder;
     m.doc("The contexts of rays, the set-up of rays, and what is kept of them.");
+    refer_to_package(m, features);
     let width = bits(count);
     let valid = m.input("valid_i", 1);
     let entry: Entry<Netlist<'_>> = inputs(m, "entry");
@@ -57,8 +59,10 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
 
     m.section("A ray enters a free context");
     let c = Netlist(m);
-    let flags = RayFlags::of(Word::new(c, Value(flags_word)));
-    m.unused("unused_flag", &[flags_word.bit(ray_flags::SKIP_CLOSEST_HIT_SHADER.trailing_zeros())]);
+    let flags_word: Word<Netlist<'_>, 10> = Word::new(c, Value(flags_word));
+    let flags = RayFlags::of(flags_word);
+    let unused = ray_flags::CODES.bit(flags_word, ray_flags::SKIP_CLOSEST_HIT_SHADER);
+    m.unused("unused_flag", &[unused.value.0]);
     let enters = m.forward("enters", 1);
     let free = Inputs::default()
         .port("take", enters.wire())
@@ -94,7 +98,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         root: Word::new(c, Value(root)),
         t_min: entry.t_min,
         t_max: entry.t_max,
-        any_hit: Bit::new(c, Value(flags_word.bit(ray_flags::TERMINATE_ON_FIRST_HIT.trailing_zeros()))),
+        any_hit: ray_flags::CODES.bit(flags_word, ray_flags::TERMINATE_ON_FIRST_HIT),
         flags,
         cull_mask: Word::new(c, Value(cull_mask)),
     };

@@ -1,5 +1,6 @@
 //! A step in hardware: two modules without registers, and the pipeline around them.
 
+use super::package::refer_to_package;
 use crate::blocks::wide8::{Half, window};
 use crate::netlist::{Netlist, Value, inputs, inputs_with, outputs, outputs_with};
 use crate::state::{Answer, Group, RayState};
@@ -16,6 +17,7 @@ use std::sync::Arc;
 pub fn prepare_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_unit_prepare");
     m.doc("What happens to a ray when an answer arrives, before its stack is read.");
+    refer_to_package(&m, parameters.features);
     let state: RayState<Netlist<'_>> = inputs_with(&m, "state", parameters);
     let answer: Answer<Netlist<'_>> = inputs_with(&m, "answer", parameters);
     let node_limit = Word::new(Netlist(&m), Value(m.input("node_limit_i", 32)));
@@ -47,6 +49,7 @@ pub fn window_module() -> Result<Arc<Module>, Error> {
 pub fn finish_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_unit_finish");
     m.doc("What happens to a ray when an answer arrives, after its stack is read.");
+    refer_to_package(&m, parameters.features);
     m.doc(format!("The stack of a ray has {} entries.", parameters.stack));
     let half: HalfStep<Netlist<'_>> = inputs_with(&m, "half", parameters);
     let top: Group<Netlist<'_>> = inputs(&m, "top");

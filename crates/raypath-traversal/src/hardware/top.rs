@@ -18,6 +18,7 @@ use crate::error::UnitError;
 use crate::instance::{TRANSFORM_OPCODE, Transform};
 use crate::netlist::wires;
 use crate::step::{StepParameters, UnitFeatures};
+use raypath_hdl::text::Enumeration;
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
 use raypath_ops::{Culling, EdgeRule, JobKind};
@@ -297,7 +298,14 @@ impl<'m> Top<'m> {
 
     fn datapath(&self, datapath: &Arc<Module>, jobs: &Jobs<'m>) -> Outcome<'m> {
         let m = self.m;
-        let opcode = |opcode: u64| m.constant(datapath.port_width("opcode_i").unwrap_or(1), opcode);
+        let package = datapath.text().package.iter().inspect(|package| m.package(package));
+        let opcodes: Vec<&Enumeration> = package.flat_map(|package| &package.enumerations).collect();
+        let opcode = |opcode: u64| {
+            let wire = m.constant(datapath.port_width("opcode_i").unwrap_or(1), opcode);
+            let labels = opcodes.iter().flat_map(|opcodes| &opcodes.labels);
+            labels.filter(|label| label.value == opcode).for_each(|label| wire.hint(&label.name));
+            wire
+        };
         let [boxes, triangle] = [JobKind::Quadbox, JobKind::Triangle].map(|kind| opcode(kind.opcode()));
         let is_instance = jobs.fetched.get(2).map(|(_, is_instance)| *is_instance);
         let other = is_instance.map_or(triangle, |is_instance| is_instance.mux(opcode(TRANSFORM_OPCODE), triangle));
@@ -310,7 +318,7 @@ impl<'m> Top<'m> {
         let ports = Inputs::default()
             .port("input_valid", offer)
             .port("output_ready", ready.wire())
-            .port("opcode", is_node.mux(boxes, other))
+            .port("opcode", is_node.mux(boxes, other).named("job_opcode"))
             .port("tag", tag)
             .ports(jobs.inputs(m, datapath))
             .place(m, "u_datapath", datapath);

@@ -8,6 +8,7 @@
 use super::candidates::is_of_candidate;
 use super::connect::{Access, Inputs, Named, Outputs, delay, hold, keep, named, prefixed};
 use super::hits::is_shown;
+use super::package::{code, refer_to_package};
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::scheduler::{scheduler, sources};
@@ -36,8 +37,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_walk");
     let m = &builder;
     m.doc("The steps of rays: one in each cycle, in three stages.");
+    refer_to_package(m, step.features);
     let width = bits(count);
-    let constant = |width: u32, value: u32| m.constant(width, value.into());
     let (flush, node_limit) = (m.input("flush_i", 1), m.input("node_limit_i", 32));
     let given = |name: &str| {
         let valid = m.input(&format!("{name}_valid_i"), 1);
@@ -105,7 +106,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     verdict_taken.iter().for_each(|forward| forward.drive(taken("verdict")));
     let read = grant.any().named("read");
     let read_context = granted(grant, offered.iter().map(|(_, context)| *context)).named("read_context");
-    let constant = |kind: u32| constant(4, kind);
+    let constant = |kind: u32| code(m, &answer::CODES, 4, kind);
     let either = |refused: u32, ready: u32| is_refused.mux(constant(refused), constant(ready));
     let start_kind = either(answer::REFUSED, answer::START);
     let start_kind =
@@ -113,7 +114,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let kinds = [answer::BOXES, answer::BLOCK, answer::ERROR].map(constant).into_iter();
     let kinds =
         kinds.chain([start_kind, constant(answer::CONTINUE)]).chain(verdicts.iter().map(|_| constant(answer::VERDICT)));
-    let kind = granted(grant, kinds);
+    let of_source = (0..).zip(kinds).map(|(bit, kind)| grant.bit(bit).mux(kind, m.constant(4, 0)));
+    let kind = of_source.reduce(|a, b| a | b).unwrap_or(grant);
     let prepares = m.register("prepares_q", 1).reset_to(0);
     prepares.next(read);
     let prepared_context = delay("prepared_context_q", read_context);
@@ -137,7 +139,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         columns.iter().map(|(name, _)| *name).zip(states.read(read, read_context)).collect();
     let c = Netlist(m);
     let first = RayState::begin(c, begin);
-    let begins = (kind.is(answer::START.into()) | kind.is(answer::REFUSED.into())).named("begins");
+    let is = |known: u32| kind.equals(constant(known));
+    let begins = (is(answer::START) | is(answer::REFUSED)).named("begins");
     let state = wires_with("", &first, step).map(|(name, first)| {
         let value = match kept.iter().find(|(known, _)| *known == name) {
             None => first,
@@ -151,10 +154,10 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let mut verdict_words: Named<'_> = Vec::new();
     let mut is_tested = None;
     if let Some(decided) = decided {
-        let is_block = (prepares.wire() & kind.is(answer::BLOCK.into())).named("is_tested");
+        let is_block = (prepares.wire() & is(answer::BLOCK)).named("is_tested");
         // A verdict comes with its candidate, which was the closest hit of the block; a box has the distance of the user.
         let kept = keep("u_candidates", count, (is_block, prepared_context), closest.clone(), (read, read_context));
-        let is_verdict = kind.is(answer::VERDICT.into()).named("is_verdict");
+        let is_verdict = is(answer::VERDICT).named("is_verdict");
         let is_box = state.iter().find(|(name, _)| name == "leaf_is_box").map_or(is_verdict, |(_, wire)| *wire);
         let chosen = closest.iter().zip(kept).map(|((name, now), (_, kept))| {
             let kept = if name == "closest_t" { is_box.mux(decided[2].1, kept) } else { kept };
@@ -200,7 +203,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     );
     let kind = done.port("request_kind");
     let goes_on = (finishes.wire() & !flush).named("goes_on");
-    let asks = |asked: u32| goes_on & kind.is(asked.into());
+    let asks = |asked: u32| goes_on & kind.equals(code(m, &request::CODES, 2, asked));
     again_asked.drive(asks(request::CONTINUE));
 
     for source in ["block", "fault", "start"] {

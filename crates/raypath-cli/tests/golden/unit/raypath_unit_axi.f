@@ -1,3 +1,4 @@
+rtl/raypath_unit_pkg.sv
 rtl/raypath_pkg.sv
 rtl/raypath_ram_1r1w.sv
 rtl/raypath_queue.sv

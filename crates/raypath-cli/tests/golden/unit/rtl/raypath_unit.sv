@@ -264,6 +264,7 @@ module raypath_unit (
 
   // ---- The datapath ---------------------------------------------------------
   logic        outcome_ready;
+  logic [1:0]  job_opcode;
   logic        datapath_output_valid;
   logic [1:0]  datapath_opcode;
   logic [1:0]  datapath_box_index_0;
@@ -285,9 +286,10 @@ module raypath_unit (
   logic        distance_ready;
 
   assign outcome_ready = is_boxes | distance_ready;
+  assign job_opcode    = issue_is_node ? raypath_pkg::OpQuadbox : raypath_pkg::OpTriangle;
 
   raypath u_datapath (
-    .clk_i, .rst_ni, .input_valid_i (issue_offer), .opcode_i (issue_is_node ? 2'd1 : 2'd0),
+    .clk_i, .rst_ni, .input_valid_i (issue_offer), .opcode_i (job_opcode),
     .output_ready_i (outcome_ready), .ray_origin_x_i (rays_job_origin_x),
     .ray_origin_y_i (rays_job_origin_y), .ray_origin_z_i (rays_job_origin_z), .ray_dir_x_i (32'd0),
     .ray_dir_y_i (32'd0), .ray_dir_z_i (32'd0), .ray_inv_x_i (rays_job_inv_x),
@@ -321,7 +323,7 @@ module raypath_unit (
     .triangle_hit_o (datapath_triangle_hit)
   );
 
-  assign is_boxes        = datapath_opcode == 2'd1;
+  assign is_boxes        = datapath_opcode == raypath_pkg::OpQuadbox;
   assign outcome_context = datapath_tag[8:3];
 
   // ---- Distances of triangles -----------------------------------------------

@@ -40,7 +40,6 @@ module raypath_unit_finish (
   input  logic        half_ends_i,
   input  logic        half_pops_i,
   input  logic        half_is_empty_i,
-  input  logic        half_is_at_limit_i,
   input  logic        half_is_on_stack_i,
   input  logic [6:0]  half_deepest_i,
   input  logic [6:0]  half_parent_i,
@@ -132,6 +131,7 @@ module raypath_unit_finish (
   logic [31:0] next_place_low_high_t1;
   logic [6:0]  next_base_t2;
   logic [31:0] next_pending_low_t7;
+  logic [1:0]  request_kind_t4;
   logic [2:0]  request_status_t1;
 
   assign next_any_hit_o          = half_state_any_hit_i;
@@ -159,11 +159,11 @@ module raypath_unit_finish (
   assign child                   = at_root ? half_state_root_i : (half_descends_i ? half_child_i :
       top_child_0_i);
   assign level                   = at_root ? 7'd0 : half_parent_i + 7'd1;
-  assign next_nodes_t4           = (level < 7'd64) & (child[6:0] == 7'd32);
+  assign next_nodes_t4           = (level < 7'd64) & (child[6:0] == raypath_unit_pkg::ChildNode);
   assign fetches_node            = visits & next_nodes_t4;
-  assign next_nodes_o            = (fetches_node & ~half_is_at_limit_i) ? half_state_nodes_i + 32'd1
-      : half_state_nodes_i;
-  assign next_triangles_t1       = (child[6:0] != 7'd0) & (child[6:0] < 7'd9);
+  assign next_nodes_o            = fetches_node ? half_state_nodes_i + 32'd1 : half_state_nodes_i;
+  assign next_triangles_t1       = (child[6:0] != raypath_unit_pkg::ChildNone) & (child[6:0] <
+      raypath_unit_pkg::ChildOtherLeaf);
   assign fetches_leaf            = (visits & next_triangles_t1) | half_leaf_continues_i;
   assign left                    = half_leaf_continues_i ? half_state_leaf_left_i : child[3:0];
   assign count                   = (left < 4'd3) ? left[1:0] : 2'd3;
@@ -213,10 +213,12 @@ module raypath_unit_finish (
   assign next_leaf_left_o        = fetches_leaf ? left : half_state_leaf_left_i;
   assign request_kind_t1         = child == 32'd0;
   assign request_kind_t2         = visits & ~next_nodes_t4 & ~next_triangles_t1 & ~request_kind_t1;
-  assign request_kind_t3         = half_failed_i | request_kind_t2 | (fetches_node &
-      half_is_at_limit_i);
+  assign request_kind_t3         = half_failed_i | request_kind_t2 | ((fetches_node | fetches_leaf)
+      & ~((half_state_nodes_i < 32'h0100_0000) & (half_state_triangles_i < 32'h0100_0000)));
+  assign request_kind_t4         = (drops | half_is_lost_i | (visits & request_kind_t1)) ?
+      raypath_unit_pkg::RequestContinue : raypath_unit_pkg::RequestFetch;
   assign request_kind_o          = (request_kind_t3 | half_ends_i | (half_pops_i & half_is_empty_i))
-      ? 2'd2 : ((drops | half_is_lost_i | (visits & request_kind_t1)) ? 2'd1 : 2'd0);
+      ? raypath_unit_pkg::RequestDone : request_kind_t4;
   assign request_address_o       = next_leaf_address_t1;
   assign request_count_o         = fetches_node ? 2'd0 : count;
   assign request_writes_o        = next_base_t1;
@@ -229,9 +231,11 @@ module raypath_unit_finish (
   assign request_group_tmin_0_o  = half_descends_i ? half_rest_tmin_0_i : top_tmin_1_i;
   assign request_group_tmin_1_o  = half_descends_i ? half_rest_tmin_1_i : top_tmin_2_i;
   assign request_group_tmin_2_o  = half_descends_i ? half_rest_tmin_2_i : top_tmin_2_i;
-  assign request_status_t1       = half_is_refused_i ? 3'd3 : ((half_failed_i &
-      ~half_cannot_enter_i) ? 3'd4 : ((request_kind_t2 | half_cannot_enter_i) ? 3'd5 : 3'd6));
-  assign request_status_o        = request_kind_t3 ? request_status_t1 : (half_state_has_hit_i ?
-      3'd1 : 3'd0);
+  assign request_status_t1       = (half_failed_i & ~half_cannot_enter_i) ?
+      raypath_unit_pkg::StatusMemory : ((request_kind_t2 | half_cannot_enter_i) ?
+      raypath_unit_pkg::StatusScene : raypath_unit_pkg::StatusLimit);
+  assign request_status_o        = request_kind_t3 ? (half_is_refused_i ?
+      raypath_unit_pkg::StatusRefused : request_status_t1) : (half_state_has_hit_i ?
+      raypath_unit_pkg::StatusHit : raypath_unit_pkg::StatusMiss);
 
 endmodule : raypath_unit_finish

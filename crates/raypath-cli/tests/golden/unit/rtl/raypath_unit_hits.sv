@@ -47,7 +47,7 @@ module raypath_unit_hits (
   logic [31:0] hits_nodes;
   logic [31:0] hits_triangles;
 
-  assign is_hit = status_i == 3'd1;
+  assign is_hit = status_i == raypath_unit_pkg::StatusHit;
   assign takes  = ended_valid & (~valid_q | ready_i);
 
   raypath_queue #(.Depth (64), .Width (6)) u_ended (

@@ -142,7 +142,7 @@ module raypath_unit_prepare (
 
   assign half_state_any_hit_o         = state_any_hit_i;
   assign half_state_root_o            = state_root_i;
-  assign has_block                    = answer_kind_i == 4'd2;
+  assign has_block                    = answer_kind_i == raypath_unit_pkg::AnswerBlock;
   assign half_state_extent_t1         = (31'h7f80_0000 < answer_closest_t_i[30:0]) | (31'h7f80_0000
       < state_extent_i[30:0]);
   assign half_state_extent_t2         = (answer_closest_t_i == state_extent_i) |
@@ -172,7 +172,7 @@ module raypath_unit_prepare (
   assign half_state_place_high_low_o  = state_place_high_low_i;
   assign half_state_place_high_high_o = state_place_high_high_i;
   assign half_state_base_o            = state_base_i;
-  assign has_boxes                    = answer_kind_i == 4'd1;
+  assign has_boxes                    = answer_kind_i == raypath_unit_pkg::AnswerBoxes;
   assign at_target                    = state_level_i == state_target_i;
   assign half_state_restarting_t1     = state_level_i[5] ? |(state_place_high_high_i & (32'd1 <<
       state_level_i[4:0])) : |(state_place_high_low_i & (32'd1 << state_level_i[4:0]));
@@ -193,9 +193,10 @@ module raypath_unit_prepare (
       : state_leaf_address_i;
   assign half_state_leaf_left_o       = half_state_leaf_address_t1 ? state_leaf_left_i + 4'd13 :
       state_leaf_left_i;
-  assign half_starts_o                = answer_kind_i == 4'd0;
-  assign half_failed_t1               = answer_kind_i == 4'd5;
-  assign half_failed_o                = (answer_kind_i == 4'd4) | half_failed_t1;
+  assign half_starts_o                = answer_kind_i == raypath_unit_pkg::AnswerStart;
+  assign half_failed_t1               = answer_kind_i == raypath_unit_pkg::AnswerRefused;
+  assign half_failed_o                = (answer_kind_i == raypath_unit_pkg::AnswerError) |
+      half_failed_t1;
   assign half_is_refused_o            = half_failed_t1;
   assign half_cannot_enter_o          = 1'b0;
   assign half_descends_o              = descends;
@@ -204,8 +205,8 @@ module raypath_unit_prepare (
   assign goes_on                      = has_block & ~half_leaf_continues_t1;
   assign half_leaf_continues_o        = goes_on & has_next;
   assign half_ends_o                  = half_leaf_continues_t1;
-  assign half_pops_o                  = (goes_on & ~has_next) | (answer_kind_i == 4'd3) | (has_boxes
-      & ~is_hit & ~state_restarting_i);
+  assign half_pops_o                  = (goes_on & ~has_next) | (answer_kind_i ==
+      raypath_unit_pkg::AnswerContinue) | (has_boxes & ~is_hit & ~state_restarting_i);
   assign half_is_empty_o              = (state_pending_low_i == 32'd0) & (state_pending_high_i ==
       32'd0);
   assign half_is_at_limit_o           = ~(state_nodes_i < node_limit_i) & (node_limit_i != 32'd0);

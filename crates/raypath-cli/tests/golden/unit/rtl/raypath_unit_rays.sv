@@ -61,6 +61,9 @@ module raypath_unit_rays (
   logic        contexts_valid;
   logic [5:0]  contexts_context;
   logic        is_meaningless_t1;
+  logic        is_meaningless_t2;
+  logic        is_meaningless_t3;
+  logic        is_meaningless_t4;
   logic        is_meaningless;
   logic        set_up_ready;
   logic        set_up_valid;
@@ -78,7 +81,7 @@ module raypath_unit_rays (
   logic        ready;
   logic        unused_flag;
 
-  assign unused_flag = flags_i[3];
+  assign unused_flag = flags_i[raypath_unit_pkg::RayFlagSkipClosestHitShader];
   assign enters      = valid_i & ready;
 
   raypath_unit_contexts u_contexts (
@@ -86,10 +89,22 @@ module raypath_unit_rays (
     .valid_o (contexts_valid), .context_o (contexts_context)
   );
 
-  assign is_meaningless_t1 = (flags_i[0] & flags_i[1]) | (flags_i[6] & flags_i[7]) | ((flags_i[0] |
-      flags_i[1]) & (flags_i[6] | flags_i[7])) | (flags_i[4] & flags_i[5]) | (flags_i[4] &
-      flags_i[8]) | (flags_i[5] & flags_i[8]);
-  assign is_meaningless    = is_meaningless_t1 | (flags_i[8] & flags_i[9]);
+  assign is_meaningless_t1 = (flags_i[raypath_unit_pkg::RayFlagOpaque] &
+      flags_i[raypath_unit_pkg::RayFlagNoOpaque]) | (flags_i[raypath_unit_pkg::RayFlagCullOpaque] &
+      flags_i[raypath_unit_pkg::RayFlagCullNoOpaque]);
+  assign is_meaningless_t2 = (flags_i[raypath_unit_pkg::RayFlagOpaque] |
+      flags_i[raypath_unit_pkg::RayFlagNoOpaque]) & (flags_i[raypath_unit_pkg::RayFlagCullOpaque] |
+      flags_i[raypath_unit_pkg::RayFlagCullNoOpaque]);
+  assign is_meaningless_t3 = (flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] &
+      flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles]) |
+      (flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] &
+      flags_i[raypath_unit_pkg::RayFlagSkipTriangles]);
+  assign is_meaningless_t4 = is_meaningless_t3 |
+      (flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles] &
+      flags_i[raypath_unit_pkg::RayFlagSkipTriangles]);
+  assign is_meaningless    = is_meaningless_t1 | is_meaningless_t2 | is_meaningless_t4 |
+      (flags_i[raypath_unit_pkg::RayFlagSkipTriangles] &
+      flags_i[raypath_unit_pkg::RayFlagSkipAabbs]);
 
   raypath_unit_set_up u_set_up (
     .clk_i, .rst_ni, .valid_i (valid_i & contexts_valid), .entry_origin_x_i, .entry_origin_y_i,
@@ -105,6 +120,8 @@ module raypath_unit_rays (
 
   // ---- What is kept of it, by reader ----------------------------------------
   logic        limits_t1;
+  logic        limits_write_limits_culls_clockwise;
+  logic        limits_write_limits_culls_counter_clockwise;
   logic [15:0] ids_id;
   logic [31:0] origins_origin_x;
   logic [31:0] origins_origin_y;
@@ -137,11 +154,18 @@ module raypath_unit_rays (
     .read_data_o ({origins_origin_x, origins_origin_y, origins_origin_z})
   );
 
-  assign limits_t1 = flags_i[8] | flags_i[6];
+  assign limits_t1                                   =
+      flags_i[raypath_unit_pkg::RayFlagSkipTriangles] |
+      flags_i[raypath_unit_pkg::RayFlagCullOpaque];
+  assign limits_write_limits_culls_clockwise         =
+      flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] | limits_t1;
+  assign limits_write_limits_culls_counter_clockwise =
+      flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles] | limits_t1;
 
   raypath_ram_1r1w #(.Depth (64), .Width (34)) u_limits (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
-    .write_data_i ({entry_t_min_i, flags_i[4] | limits_t1, flags_i[5] | limits_t1}),
+    .write_data_i ({entry_t_min_i, limits_write_limits_culls_clockwise,
+        limits_write_limits_culls_counter_clockwise}),
     .read_enable_i (limits_read_i), .read_address_i (limits_context_i),
     .read_data_o ({limits_limits_t_min, limits_limits_culls_clockwise,
         limits_limits_culls_counter_clockwise})
@@ -149,8 +173,9 @@ module raypath_unit_rays (
 
   raypath_ram_1r1w #(.Depth (64), .Width (65)) u_begins (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
-    .write_data_i ({root_i, entry_t_max_i, flags_i[2]}), .read_enable_i (step_read_i),
-    .read_address_i (step_context_i), .read_data_o ({begins_root, begins_t_max, begins_any_hit})
+    .write_data_i ({root_i, entry_t_max_i, flags_i[raypath_unit_pkg::RayFlagTerminateOnFirstHit]}),
+    .read_enable_i (step_read_i), .read_address_i (step_context_i),
+    .read_data_o ({begins_root, begins_t_max, begins_any_hit})
   );
 
   raypath_ram_1r1w #(.Depth (64), .Width (198)) u_constants (

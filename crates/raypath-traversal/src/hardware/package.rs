@@ -1,0 +1,44 @@
+//! The package `raypath_unit_pkg`: names of kinds, statuses and flags.
+
+use crate::blocks::KINDS;
+use crate::codes::Codes;
+use crate::query::{instance_flags, ray_flags};
+use crate::state::{answer, request, status};
+use crate::step::UnitFeatures;
+use raypath_hdl::text::{Enumeration, Package};
+use raypath_hdl::{Builder, Label, Wire};
+use std::sync::Arc;
+
+/// The types, and the codes of each.
+const TYPES: [(&str, &Codes); 6] = [
+    ("status_e", &status::CODES),
+    ("ray_flag_e", &ray_flags::CODES),
+    ("child_kind_e", &KINDS),
+    ("instance_flag_e", &instance_flags::CODES),
+    ("answer_e", &answer::CODES),
+    ("request_e", &request::CODES),
+];
+
+/// Lets the text of a module refer to the package. Linters report a type that no module of the unit uses.
+pub fn refer_to_package(m: &Builder, features: UnitFeatures) {
+    let enumeration = |(name, codes): (&str, &Codes)| {
+        let labels: Vec<Label> = codes.labels().map(|(name, value)| Label { name, value: value.into() }).collect();
+        let greatest = labels.iter().map(|label| label.value).max().unwrap_or(1);
+        Enumeration { name: name.to_string(), doc: Some(codes.doc.to_string()), width: greatest.ilog2() + 1, labels }
+    };
+    let has_instance_flags = features.instances && features.has_flags();
+    let types = TYPES.into_iter().filter(|(name, _)| has_instance_flags || *name != "instance_flag_e");
+    m.package(&Arc::new(Package {
+        name: "raypath_unit_pkg".to_string(),
+        doc: vec!["Names of kinds, statuses and flags of the traversal unit.".to_string()],
+        enumerations: types.map(enumeration).collect(),
+        structures: Vec::new(),
+    }));
+}
+
+/// A code as a constant.
+pub fn code<'m>(m: &'m Builder, codes: &Codes, width: u32, value: u32) -> Wire<'m> {
+    let wire = m.constant(width, value.into());
+    wire.hint(&codes.name(value).to_string());
+    wire
+}
