@@ -2,7 +2,7 @@
 
 use crate::{Datapath, Error, Unit};
 use raypath_hdl::Module;
-use raypath_rtl::package::text_ports;
+use raypath_rtl::package::all_ports;
 use serde_json::{Map, Value, json};
 
 /// A document, whose fields `docs/integration/simulators.md` lists. The object `absent` says why others are null.
@@ -16,7 +16,7 @@ const OF_UNIT: &str = "depends on the ray, the scene and the memory; the cycle-e
 
 impl Card {
     fn of(top: &Module, design: &str) -> Self {
-        let ports = text_ports(top).into_iter().map(|port| {
+        let ports = all_ports(top).into_iter().map(|port| {
             let direction = if port.is_input { "input" } else { "output" };
             json!({"name": port.name, "width": port.width, "direction": direction})
         });

@@ -111,6 +111,17 @@ pub struct Template {
 /// signals of this width begin with `data` or `tag` there.
 pub const PAYLOAD: u32 = 64;
 
+/// A port of a text: of a module or of several of its ports as one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TextPort {
+    /// Its name.
+    pub name: String,
+    /// Its width in bits.
+    pub width: u32,
+    /// Whether it is an input.
+    pub is_input: bool,
+}
+
 /// How a module is printed. By default, ports and registers are printed as they are in the netlist.
 #[derive(Debug, Clone, Default)]
 pub struct Text {
@@ -163,10 +174,22 @@ impl Text {
     }
 }
 
+impl TextPort {
+    /// Its name without the usual suffix of its direction.
+    pub fn stem(&self) -> &str {
+        stem(&self.name)
+    }
+}
+
+/// The name of a port without the suffix of its direction.
+fn stem(name: &str) -> &str {
+    name.strip_suffix("_i").or_else(|| name.strip_suffix("_o")).unwrap_or(name)
+}
+
 impl PortGroup {
     /// Its name without the suffix of its direction.
     pub(crate) fn stem(&self) -> &str {
-        self.name.strip_suffix("_i").or_else(|| self.name.strip_suffix("_o")).unwrap_or(&self.name)
+        stem(&self.name)
     }
 
     /// Whether this port is a member.
@@ -212,6 +235,22 @@ impl Module {
         let groups = self.text.input.iter().chain(self.text.output());
         let mut found = groups.filter_map(|group| group.select(port).map(|select| format!("{}{select}", group.name)));
         found.next().unwrap_or_else(|| port.to_string())
+    }
+
+    /// The ports of its text besides clock and reset, the inputs first.
+    pub fn text_ports(&self) -> Vec<TextPort> {
+        let mut ports: Vec<TextPort> = Vec::new();
+        for (is_input, list) in [(true, &self.inputs), (false, &self.outputs)] {
+            for port in list {
+                let (text, width) = (self.port_text(&port.name), self.signal(port.signal).width);
+                let name = text.split(['[', '.']).next().unwrap_or_default();
+                match ports.iter_mut().find(|known| known.name == name) {
+                    Some(known) => known.width += width,
+                    None => ports.push(TextPort { name: name.to_string(), width, is_input }),
+                }
+            }
+        }
+        ports
     }
 
     /// An error where the text would print another signal than the payload with the width of the payload.

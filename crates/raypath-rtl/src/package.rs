@@ -25,13 +25,12 @@ mod wrapper;
 
 use crate::DatapathNetlist;
 pub use design::{Wrapped, design, wrapped};
-use fields::{Direction, Field};
 use manifest::Sources;
 pub use prefix::{Prefix, PrefixError};
 use raypath_hdl::{Error, verilog};
-pub use soc::{PERIOD_NS, TextPort, text_ports};
+pub use soc::{PERIOD_NS, all_ports};
 use std::path::PathBuf;
-use structures::Structures;
+use wrapper::Wrapper;
 
 /// What a datapath is, for manifests.
 const PURPOSE: &str = "A ray-tracer datapath";
@@ -47,28 +46,28 @@ pub type Files = Vec<(PathBuf, String)>;
 /// A datapath that cannot be printed: different modules of one name.
 pub fn files(datapath: &DatapathNetlist, banner: &[String]) -> Result<Files, Error> {
     let top = datapath.top();
-    let job = Field::of(top, Direction::Input);
-    let outcome = Field::of(top, Direction::Output);
-    let structures = Structures::new(&job, &outcome);
-
     let name = top.name();
     let wrapper_name = format!("{name}_wrapper");
-    let package = format!("rtl/{wrapper_name}_pkg.sv");
-    let wrapper = format!("rtl/{wrapper_name}.sv");
+    let mut files = Wrapper::of_datapath(datapath).files(banner);
     let modules = verilog::sources(top, &[])?.iter().map(|source| format!("rtl/{}.sv", source.name)).collect();
     let sources = Sources {
         name,
         description: PURPOSE,
         modules,
         wrapper_name: &wrapper_name,
-        wrapper: vec![package.clone(), wrapper.clone()],
+        wrapper: paths(&files),
         properties: &format!("{name}_properties.sv"),
     };
-    Ok(vec![
-        (package.into(), wrapper::package(datapath, &structures, banner)),
-        (wrapper.into(), wrapper::module(datapath, &job, &outcome, banner)),
+    let lists = [
         (format!("{wrapper_name}.f").into(), sources.list()),
         (format!("{name}.core").into(), sources.fusesoc(banner)),
         ("Bender.yml".into(), sources.bender(banner)),
-    ])
+    ];
+    files.extend(lists);
+    Ok(files)
+}
+
+/// The paths of files.
+fn paths(files: &Files) -> Vec<String> {
+    files.iter().map(|(path, _)| path.display().to_string()).collect()
 }

@@ -4,6 +4,7 @@
 use crate::common::along_z;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use raypath_hdl::{Builder, Module};
 use raypath_model::Shape;
 use raypath_ops::{Rounding, Rules};
 use raypath_rtl::{Config, Control};
@@ -18,8 +19,8 @@ use raypath_traversal::{
     Front, Memory, MemoryError, NODE_LIMIT, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit,
     UnitEngine, UnitFeatures, UnitInputs, UnitModel, UnitNetlist, UnitParameters, UnitPorts,
 };
-
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 const NOTHING: UnitFeatures = UnitFeatures::OFF;
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
@@ -242,9 +243,17 @@ fn verilator_equals_the_model(step: StepParameters) {
     let folder = tempfile::tempdir().expect("a folder");
     let mut sources = Sources::write(&unit.top, folder.path()).expect("sources");
     sources.lint().expect("no report of the linters");
-    sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
+    // The wrapper with structures is around the unit.
+    for (path, text) in unit.files(raypath_rtl::package::PERIOD_NS).expect("files") {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if name == "raypath_properties.sv" || (name.contains("_wrapper") && name.ends_with(".sv")) {
+            sources.add(folder.path().join(name), &text).expect("the assertions, the wrapper and its package");
+        }
+    }
+    let (flat, text) = flattened(&unit.top);
+    sources.add(folder.path().join("flat.sv"), &text).expect("the ports of the unit");
     let options = Options::default();
-    let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
+    let verilated = Verilated::build_sources(&sources.files, &flat, folder.path(), &options).expect("a build");
     let ports = UnitPorts::of(&unit.top);
     let mut recorded = RecordedEngine::new(UnitModel::of(&unit), &unit.top);
     let mut environment = Environment::new(&scene.0, parameters, rays, QUIET, 2);
@@ -277,4 +286,62 @@ fn verilator_equals_the_model(step: StepParameters) {
         })
         .expect("a run");
     assert_eq!(seen, outputs.len());
+}
+
+/// A module with the ports of the unit around the wrapper with structures: for the test bench, and as text, which has the
+/// field of each port.
+fn flattened(top: &Module) -> (Arc<Module>, String) {
+    const STRUCTURES: [(&str, &str); 6] = [
+        ("ray", "ray_i"),
+        ("hit", "hit_o"),
+        ("candidate", "cand_o"),
+        ("answer", "answer_i"),
+        ("mem_req", "mem_req_o"),
+        ("mem_rsp", "mem_rsp_i"),
+    ];
+    let field = |port: &str| {
+        let of = |(_, whole): &(&'static str, &'static str)| {
+            Some((*whole, port.strip_prefix(whole.strip_suffix(['i', 'o'])?)?))
+        };
+        let (whole, field) = STRUCTURES.iter().find_map(of)?;
+        let field = field.trim_end_matches("_i").trim_end_matches("_o");
+        match field.split_once('_') {
+            _ if ["valid", "ready"].contains(&field) => None,
+            _ if ["primitive", "instance", "end"].contains(&field) => {
+                Some(format!("{whole}.{}_{field}", &whole[..whole.len() - 2]))
+            }
+            Some((vector @ ("origin" | "dir"), axis)) => Some(format!("{whole}.{vector}.{axis}")),
+            Some(("data", word)) => Some(format!("{whole}.data[32 * {word} +: 32]")),
+            _ => Some(format!("{whole}.{field}")),
+        }
+    };
+    let m = Builder::new("flat");
+    let clocked = m.register("clocked_q", 1).reset_to(0);
+    clocked.next(clocked.wire());
+    let (mut ports, mut wires) =
+        (vec!["input logic clk_i".to_string(), "input logic rst_ni".to_string()], String::new());
+    for (kind, name) in STRUCTURES {
+        wires += &format!("  raypath_unit_wrapper_pkg::{kind}_t {name};\n");
+    }
+    for (is_input, port) in
+        top.inputs().iter().map(|port| (true, port)).chain(top.outputs().iter().map(|port| (false, port)))
+    {
+        let (name, width) = (&port.name, top.signal(port.signal).width);
+        ports.push(format!("{} logic [{}:0] {name}", if is_input { "input" } else { "output" }, width - 1));
+        if is_input {
+            m.unused(&format!("unused_{name}"), &[m.input(name, width)]);
+        } else {
+            m.output(name, m.constant(width, 0));
+        }
+        if let Some(field) = field(name) {
+            wires += &if is_input {
+                format!("  assign {field} = {name};\n")
+            } else {
+                format!("  assign {name} = {field};\n")
+            };
+        }
+    }
+    let text =
+        format!("module flat ({});\n{wires}  raypath_unit_wrapper u_wrapper (.*);\nendmodule\n", ports.join(", "));
+    (m.finish().expect("a module"), text)
 }

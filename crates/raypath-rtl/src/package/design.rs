@@ -1,7 +1,8 @@
 //! All files of a design: SystemVerilog, assertions, a picture, and the files for integration.
 
 use super::manifest::Sources;
-use super::{Files, soc};
+use super::wrapper::Wrapper;
+use super::{Files, paths, soc};
 use crate::report::picture;
 use crate::{Config, DatapathNetlist};
 use raypath_hdl::{Error, Module, text, verilog};
@@ -36,6 +37,8 @@ pub struct Wrapped<'a> {
     pub wrapper: &'a Arc<Module>,
     /// The text of the assertions about its modules.
     pub properties: &'a str,
+    /// The names of channels whose structures have others: see `wrapped`.
+    pub types: &'a [(&'a str, &'a str)],
     /// What the design is, for the manifests: "A ray-tracer datapath".
     pub purpose: &'a str,
     /// The parameters, for the comment at the head of each file.
@@ -45,14 +48,15 @@ pub struct Wrapped<'a> {
 }
 
 /// All files of a design around a datapath: each module in `rtl/`, listed in `<top>.f`, with the wrapper in
-/// `<wrapper>.f`; all modules but the wrapper in `<top>.sv`, and the same without package and structures in
+/// `<wrapper>.f`, and in `<top>_wrapper.f` with a second wrapper, which has a structure for each channel of the top
+/// module; all modules but the wrappers in `<top>.sv`, and the same without package and structures in
 /// `<top>_plain.sv`; the assertions in `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`; and of the
 /// wrapper the constraints `<wrapper>.sdc` and `<wrapper>.xdc`, and `<wrapper>.xml` (IP-XACT).
 ///
 /// # Errors
 /// A design that cannot be printed: different modules of one name.
 pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
-    let Wrapped { top, wrapper: axi, properties, purpose, description, period_ns } = design;
+    let Wrapped { top, wrapper: axi, properties, types, purpose, description, period_ns } = design;
     let (banner, name, wrapper_name) = (&banner(description), top.name(), axi.name());
     let Printed { names, all, .. } = Printed::of(top, banner)?;
     // The modules of the wrapper are those of the top module, and the wrapper.
@@ -62,9 +66,13 @@ pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
     files.push((format!("{name}.f").into(), list(&names)));
     files.push((all_file.into(), all));
     files.push((format!("{name}_plain.sv").into(), plain(top, banner)?));
-    let wrapper = vec![format!("rtl/{wrapper_name}.sv")];
+    let with_structures = Wrapper::of_channels(top, types).files(banner);
+    let (wrapper, structured) = (vec![format!("rtl/{wrapper_name}.sv")], paths(&with_structures));
+    files.extend(with_structures);
+    files.push((format!("{wrapper_name}.f").into(), list(&[&names[..], &wrapper].concat())));
+    files.push((format!("{name}_wrapper.f").into(), list(&[&names[..], &structured].concat())));
+    let wrapper = [wrapper, structured].concat();
     let sources = Sources { name, description: purpose, modules: names, wrapper_name, wrapper, properties: checks };
-    files.push((format!("{wrapper_name}.f").into(), sources.list()));
     files.push((format!("{name}.core").into(), sources.fusesoc(banner)));
     files.push(("Bender.yml".into(), sources.bender(banner)));
     let all = [sources.modules, sources.wrapper].concat();

@@ -1,6 +1,7 @@
 //! Ports as the fields of nested structures: `ray_origin_x_i` becomes `ray.origin.x`.
 
-use raypath_hdl::{Module, name_problem};
+use raypath_hdl::name_problem;
+use raypath_hdl::text::TextPort;
 
 /// A field of a structure.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,36 +24,19 @@ pub enum Field {
     },
 }
 
-/// A selection of ports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Direction {
-    /// The ports of a job.
-    Input,
-    /// The ports of a result.
-    Output,
-}
-
-/// The handshakes, which are in no structure.
-const HANDSHAKES: [&str; 4] = ["input_valid_i", "input_ready_o", "output_valid_o", "output_ready_i"];
-
 /// The port with the opcode of a job or a result; its field is the first.
 const OPCODE: &str = "opcode";
 
 impl Field {
-    /// The ports of one direction, handshakes left out, the opcode first.
-    pub fn of(top: &Module, direction: Direction) -> Vec<Self> {
-        let ports = match direction {
-            Direction::Input => top.inputs(),
-            Direction::Output => top.outputs(),
-        };
-        let ports = ports.iter().filter(|port| !HANDSHAKES.contains(&port.name.as_str()));
-        let mut leaves: Vec<Leaf<'_>> = ports
-            .map(|port| {
-                // A stem that is a keyword keeps its suffix.
-                let name = if name_problem(port.stem()).is_none() { port.stem() } else { &port.name };
-                Leaf { name, port: &port.name, width: top.signal(port.signal).width }
-            })
-            .collect();
+    /// These ports, the opcode first, without the beginning of their names.
+    pub fn of(ports: &[TextPort], prefix: &str) -> Vec<Self> {
+        fn leaf<'a>(port: &'a TextPort, prefix: &str) -> Leaf<'a> {
+            // A name that is a keyword keeps its beginning, or its suffix.
+            let names = [port.stem().strip_prefix(prefix).unwrap_or(port.stem()), port.stem()];
+            let name = names.into_iter().find(|name| name_problem(name).is_none()).unwrap_or(&port.name);
+            Leaf { name, port: &port.name, width: port.width }
+        }
+        let mut leaves: Vec<Leaf<'_>> = ports.iter().map(|port| leaf(port, prefix)).collect();
         leaves.sort_by_key(|leaf| leaf.name != OPCODE);
         nest(&leaves)
     }
@@ -83,8 +67,8 @@ fn nest(leaves: &[Leaf<'_>]) -> Vec<Field> {
         }
         seen.push(head);
         let members: Vec<Leaf<'_>> = leaves.iter().copied().filter(|leaf| split(leaf.name).0 == head).collect();
-        // A prefix that is not a valid field name makes no group.
-        match group(&members).filter(|_| name_problem(head).is_none()) {
+        // A prefix that is not a valid field name makes no group, nor does one that says nothing.
+        match group(&members).filter(|_| name_problem(head).is_none() && head != "is") {
             Some(inner) => fields.push(Field::Group { name: head.to_string(), fields: inner }),
             None => fields.extend(members.iter().map(Leaf::field)),
         }
@@ -149,6 +133,7 @@ mod tests {
     fn one_port_alone_keeps_its_name() {
         assert_eq!(paths(&["triangle_hit", "t_num", "t_denom"]), ["triangle_hit", "t.num", "t.denom"]);
         assert_eq!(paths(&["tmin_0", "tmin_1"]), ["tmin_0", "tmin_1"]);
+        assert_eq!(paths(&["is_box", "is_opaque"]), ["is_box", "is_opaque"]);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::Files;
 use super::text::{licensed, yaml_head};
 use raypath_hdl::Module;
+use raypath_hdl::text::TextPort;
 use raypath_hdl::verilog::CLOCK_GATE;
 
 /// The default clock period in nanoseconds, for constraints and for the choice of gates.
@@ -18,43 +19,21 @@ const GATED: &str = "
 set_clock_gating_check -setup 0 -hold 0 [get_clocks clk_i]
 ";
 
-/// A port in the text of a module.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TextPort {
-    /// The name.
-    pub name: String,
-    /// The width in bits.
-    pub width: u32,
-    /// Whether it is an input.
-    pub is_input: bool,
-}
-
-/// The ports in the text of a top module, clock and reset first. Ports of the netlist may be parts of one of them.
-pub fn text_ports(top: &Module) -> Vec<TextPort> {
-    let clocks = ["clk_i", "rst_ni"].map(|name| TextPort { name: name.to_string(), width: 1, is_input: true });
-    let mut ports = Vec::from(clocks);
-    for (all, is_input) in [(top.inputs(), true), (top.outputs(), false)] {
-        for port in all {
-            let (text, width) = (top.port_text(&port.name), top.signal(port.signal).width);
-            let name = text.split('[').next().unwrap_or_default();
-            match ports.iter_mut().find(|known| known.name == name) {
-                Some(known) => known.width += width,
-                None => ports.push(TextPort { name: name.to_string(), width, is_input }),
-            }
-        }
-    }
-    ports
-}
-
 /// `<module>.sdc`, `<module>.xdc` and `<module>.xml` of the module `top`, whose text and that of all modules below it is
 /// in `sources`. `purpose` says what it is.
 pub fn files(top: &Module, sources: &[String], purpose: &str, banner: &[String], period_ns: f64) -> Files {
-    let (name, ports) = (top.name(), text_ports(top));
+    let (name, ports) = (top.name(), all_ports(top));
     let is_gated = sources.iter().any(|source| source.contains(CLOCK_GATE));
     let common = yaml_head(banner) + "#\n" + &constraints(name, &ports, period_ns);
     let sdc = common.clone() + if is_gated { GATED } else { "" };
     let xml = component(name, &ports, sources, purpose, banner);
     [("sdc", sdc), ("xdc", common), ("xml", xml)].map(|(kind, text)| (format!("{name}.{kind}").into(), text)).into()
+}
+
+/// The ports in the text of a top module, clock and reset first.
+pub fn all_ports(top: &Module) -> Vec<TextPort> {
+    let clocks = ["clk_i", "rst_ni"].map(|name| TextPort { name: name.to_string(), width: 1, is_input: true });
+    clocks.into_iter().chain(top.text_ports()).collect()
 }
 
 fn constraints(module: &str, ports: &[TextPort], period_ns: f64) -> String {

@@ -2,44 +2,30 @@
 
 use crate::package::fields::Field;
 use crate::package::text::packed;
-
-/// A job.
-pub const JOB_TYPE: &str = "job_t";
-
-/// A result.
-pub const OUTCOME_TYPE: &str = "outcome_t";
+use raypath_hdl::text::Structure;
 
 /// The greatest length of a name that consists of the names of the fields: `xyz_t`, `min_max_t`.
 const SHORT: usize = 9;
 
-/// The types of job and result; a type comes after the types of its fields.
+/// The types of structures and of their parts; a type comes after the types of its fields.
 #[derive(Debug)]
 pub struct Structures {
-    types: Vec<Structure>,
-}
-
-/// A packed structure.
-#[derive(Debug)]
-pub struct Structure {
-    /// Its name.
-    pub name: String,
-    /// Its fields, the most significant first: type and name.
-    pub fields: Vec<(String, String)>,
+    pub types: Vec<Structure>,
+    /// The names that parts cannot have.
+    taken: Vec<String>,
 }
 
 impl Structures {
-    pub fn new(job: &[Field], outcome: &[Field]) -> Self {
-        let mut structures = Self { types: Vec::new() };
-        // The opcode is a vector: Yosys 0.23 finds no type of another package in a package.
-        let fields = structures.fields(job, "job");
-        structures.types.push(Structure { name: JOB_TYPE.to_string(), fields });
-        let fields = structures.fields(outcome, "outcome");
-        structures.types.push(Structure { name: OUTCOME_TYPE.to_string(), fields });
-        structures
-    }
-
-    pub fn iter(&self) -> impl Iterator<Item = &Structure> {
-        self.types.iter()
+    /// The types with these names and fields. An opcode is a vector: Yosys 0.23 finds no type of another package in a
+    /// package.
+    pub fn new(structures: &[(&str, &[Field])]) -> Self {
+        let taken = structures.iter().map(|(name, _)| name.to_string()).collect();
+        let mut found = Self { types: Vec::new(), taken };
+        for (name, fields) in structures {
+            let fields = found.fields(fields, name.trim_end_matches("_t"));
+            found.types.push(Structure { name: name.to_string(), doc: None, fields });
+        }
+        found
     }
 
     /// The types and names of fields; `path` leads to them.
@@ -68,12 +54,12 @@ impl Structures {
         let numbered = (2..).map(|number| format!("{path}_{number}"));
         let names = stems.chain(numbered).map(|stem| format!("{stem}_t"));
         let name = names.into_iter().find(|name| !self.is_taken(name)).unwrap_or_default();
-        self.types.push(Structure { name: name.clone(), fields });
+        self.types.push(Structure { name: name.clone(), doc: None, fields });
         name
     }
 
     fn is_taken(&self, name: &str) -> bool {
-        name == JOB_TYPE || name == OUTCOME_TYPE || self.types.iter().any(|known| known.name == name)
+        self.taken.iter().chain(self.types.iter().map(|known| &known.name)).any(|known| known == name)
     }
 }
 

@@ -14,8 +14,8 @@ impl UnitNetlist {
         format!("traversal unit, {}; datapath: {}", self.parameters, self.config)
     }
 
-    /// All files of the unit, each with its path in the output folder ([`package::wrapped`]). The wrapper is
-    /// `raypath_unit_axi`, whose constraints are for a clock of `period_ns`.
+    /// All files of the unit, each with its path in the output folder ([`package::wrapped`]). The wrappers are
+    /// `raypath_unit_axi`, whose constraints are for a clock of `period_ns`, and `raypath_unit_wrapper`.
     ///
     /// # Errors
     /// A defect of the netlist.
@@ -24,6 +24,7 @@ impl UnitNetlist {
             top: &self.top,
             wrapper: &self.axi()?,
             properties: &self.properties(),
+            types: &[("cand", "candidate")],
             purpose: PURPOSE,
             description: &self.description(),
             period_ns,

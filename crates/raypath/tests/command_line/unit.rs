@@ -34,6 +34,10 @@ fn the_unit_is_written_listed_and_checked() {
         files.iter().map(|(name, _)| name.as_str()).filter(|name| name.starts_with("rtl/")).collect();
     let (list, with_axi) = (of("raypath_unit.f"), of("raypath_unit_axi.f"));
     let listed: Vec<&str> = with_axi.lines().collect();
+    let with_structures = of("raypath_unit_wrapper.f");
+    let structured = ["rtl/raypath_unit_wrapper_pkg.sv", "rtl/raypath_unit_wrapper.sv"];
+    assert_eq!(with_structures, format!("{list}{}\n", structured.join("\n")));
+    let listed = [&listed[..], &structured].concat();
     assert_eq!(listed.iter().copied().collect::<BTreeSet<_>>(), modules);
     assert_eq!(listed.len(), modules.len(), "a module is listed twice");
     assert_eq!(with_axi, format!("{list}rtl/raypath_unit_axi.sv\n"));
@@ -55,7 +59,7 @@ fn the_unit_is_written_listed_and_checked() {
         if let Some(module) = name.strip_prefix("rtl/").and_then(|name| name.strip_suffix(".sv")) {
             let is_there =
                 all.contains(&format!("\nmodule {module} ")) || all.contains(&format!("\npackage {module};"));
-            assert_eq!(is_there, module != "raypath_unit_axi", "{name}");
+            assert_eq!(is_there, module != "raypath_unit_axi" && !module.contains("_wrapper"), "{name}");
         }
     }
 
@@ -161,8 +165,14 @@ fn instances_on_the_command_line() {
     let list = std::fs::read_to_string(emitted.join("raypath_unit_axi.f")).expect("a list");
     let paths: Vec<PathBuf> = list.lines().map(|name| emitted.join(name)).collect();
     lint_verilator(&paths, "raypath_unit_axi", &[]).expect("no report of Verilator");
-    lint_yosys(&emitted.join("raypath_unit.sv"), "raypath_unit").expect("no report of Yosys");
     lint_slang(&paths).expect("no report of slang");
+    let list = std::fs::read_to_string(emitted.join("raypath_unit_wrapper.f")).expect("a list");
+    let paths: Vec<PathBuf> = list.lines().map(|name| emitted.join(name)).collect();
+    lint_verilator(&paths, "raypath_unit_wrapper", &[]).expect("no report of Verilator");
+    lint_slang(&paths).expect("no report of slang");
+    let all: String = paths.iter().map(|path| std::fs::read_to_string(path).expect("text")).collect();
+    let all = file(&emitted, "all.sv", &all);
+    lint_yosys(Path::new(&all), "raypath_unit_wrapper").expect("no report of Yosys");
 
     let places = "1 0 0 0 0 1 0 0 0 0 1 0\n-1 0 0 40 0 1 0 0 0 0 1 0\n";
     let places = file(folder.path(), "places.txt", places);

@@ -7,7 +7,7 @@ use comfy_table::{ContentArrangement, Table};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
-use raypath_rtl::package::{Prefix, text_ports};
+use raypath_rtl::package::Prefix;
 use raypath_sim::files::{in_folder, write_design};
 use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray, verdict_of};
 use raypath_traversal::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
@@ -44,10 +44,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         out,
         "Wrote {modules} modules to {folder}/rtl, listed in {folder}/{prefix}_unit.f, with the AXI4 wrapper"
     )?;
-    writeln!(
-        out,
-        "{prefix}_unit_axi in {folder}/{prefix}_unit_axi.f; all but the wrapper to {folder}/{prefix}_unit.sv,"
-    )?;
+    writeln!(out, "{prefix}_unit_axi in {folder}/{prefix}_unit_axi.f, and with structures {prefix}_unit_wrapper")?;
+    writeln!(out, "in {folder}/{prefix}_unit_wrapper.f; all but the wrappers to {folder}/{prefix}_unit.sv,")?;
     writeln!(out, "and without structures to {folder}/{prefix}_unit_plain.sv; assertions to")?;
     writeln!(out, "{folder}/{prefix}_properties.sv; for FuseSoC and Bender: {folder}/{prefix}_unit.core and")?;
     writeln!(out, "{folder}/Bender.yml; constraints (.sdc, .xdc) and IP-XACT (.xml): {folder}/{prefix}_unit_axi.*.\n")?;
@@ -68,8 +66,8 @@ fn ports(top: &Module) -> Table {
     let mut table = table(["channel", "ports"]);
     table.add_row(["", "clk_i, rst_ni"]);
     for (channel, prefix) in channels {
-        let found = text_ports(top).into_iter().filter(|port| port.name.starts_with(prefix));
         let range = |width: u32| if width == 1 { String::new() } else { format!(" [{}:0]", width - 1) };
+        let found = top.text_ports().into_iter().filter(|port| port.name.starts_with(prefix));
         let cells: Vec<String> = found.map(|port| port.name + &range(port.width)).collect();
         table.add_row([channel, &cells.join(", ")]);
     }
