@@ -10,20 +10,21 @@ create_clock -name clk_i -period 12 [get_ports clk_i]
 
 # Inputs come from registers of this clock, and so does the release of the reset.
 set raypath_inputs {
-  rst_ni ray_valid_i ray_id_i[*] ray_flags_i[*]
-  ray_root_i[*] ray_origin_x_i[*] ray_origin_y_i[*] ray_origin_z_i[*]
-  ray_dir_x_i[*] ray_dir_y_i[*] ray_dir_z_i[*] ray_tmin_i[*]
-  ray_tmax_i[*] hit_ready_i m_axi_arready m_axi_rid[*]
-  m_axi_rdata[*] m_axi_rresp[*] m_axi_rlast m_axi_rvalid
+  rst_ni flush_i node_limit_i[*] ray_valid_i
+  ray_id_i[*] ray_flags_i[*] ray_root_i[*] ray_origin_x_i[*]
+  ray_origin_y_i[*] ray_origin_z_i[*] ray_dir_x_i[*] ray_dir_y_i[*]
+  ray_dir_z_i[*] ray_tmin_i[*] ray_tmax_i[*] hit_ready_i
+  m_axi_arready m_axi_rid[*] m_axi_rdata[*] m_axi_rresp[*]
+  m_axi_rlast m_axi_rvalid
 }
 # Outputs go to registers of this clock.
 set raypath_outputs {
-  ray_ready_o hit_valid_o hit_id_o[*] hit_status_o[*]
-  hit_t_o[*] hit_primitive_o[*] hit_t_num_o[*] hit_t_denom_o[*]
-  hit_back_face_o hit_nodes_o[*] hit_triangles_o[*] m_axi_arid[*]
-  m_axi_araddr[*] m_axi_arlen[*] m_axi_arsize[*] m_axi_arburst[*]
-  m_axi_arlock m_axi_arcache[*] m_axi_arprot[*] m_axi_arqos[*]
-  m_axi_arvalid m_axi_rready
+  idle_o busy_o ray_ready_o hit_valid_o
+  hit_id_o[*] hit_status_o[*] hit_t_o[*] hit_primitive_o[*]
+  hit_t_num_o[*] hit_t_denom_o[*] hit_back_face_o hit_nodes_o[*]
+  hit_triangles_o[*] m_axi_arid[*] m_axi_araddr[*] m_axi_arlen[*]
+  m_axi_arsize[*] m_axi_arburst[*] m_axi_arlock m_axi_arcache[*]
+  m_axi_arprot[*] m_axi_arqos[*] m_axi_arvalid m_axi_rready
 }
 
 # Set-up: the logic outside has 30 % of the period before an input.

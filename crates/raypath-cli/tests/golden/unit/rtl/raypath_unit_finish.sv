@@ -40,6 +40,7 @@ module raypath_unit_finish (
   input  logic        half_ends_i,
   input  logic        half_pops_i,
   input  logic        half_is_empty_i,
+  input  logic        half_is_at_limit_i,
   input  logic        half_is_on_stack_i,
   input  logic [6:0]  half_deepest_i,
   input  logic [6:0]  half_parent_i,
@@ -161,7 +162,8 @@ module raypath_unit_finish (
   assign level                   = at_root ? 7'd0 : half_parent_i + 7'd1;
   assign next_nodes_t4           = (level < 7'd64) & (child[6:0] == raypath_unit_pkg::ChildNode);
   assign fetches_node            = visits & next_nodes_t4;
-  assign next_nodes_o            = fetches_node ? half_state_nodes_i + 32'd1 : half_state_nodes_i;
+  assign next_nodes_o            = (fetches_node & ~half_is_at_limit_i) ? half_state_nodes_i + 32'd1
+      : half_state_nodes_i;
   assign next_triangles_t1       = (child[6:0] != raypath_unit_pkg::ChildNone) & (child[6:0] <
       raypath_unit_pkg::ChildOtherLeaf);
   assign fetches_leaf            = (visits & next_triangles_t1) | half_leaf_continues_i;
@@ -213,8 +215,8 @@ module raypath_unit_finish (
   assign next_leaf_left_o        = fetches_leaf ? left : half_state_leaf_left_i;
   assign request_kind_t1         = child == 32'd0;
   assign request_kind_t2         = visits & ~next_nodes_t4 & ~next_triangles_t1 & ~request_kind_t1;
-  assign request_kind_t3         = half_failed_i | request_kind_t2 | ((fetches_node | fetches_leaf)
-      & ~((half_state_nodes_i < 32'h0100_0000) & (half_state_triangles_i < 32'h0100_0000)));
+  assign request_kind_t3         = half_failed_i | request_kind_t2 | (fetches_node &
+      half_is_at_limit_i);
   assign request_kind_t4         = (drops | half_is_lost_i | (visits & request_kind_t1)) ?
       raypath_unit_pkg::RequestContinue : raypath_unit_pkg::RequestFetch;
   assign request_kind_o          = (request_kind_t3 | half_ends_i | (half_pops_i & half_is_empty_i))

@@ -9,6 +9,8 @@
 module raypath_unit_walk (
   input  logic        clk_i,
   input  logic        rst_ni,
+  input  logic        flush_i,
+  input  logic [31:0] node_limit_i,
   input  logic        boxes_valid_i,
   input  logic [5:0]  boxes_context_i,
   input  logic        block_valid_i,
@@ -92,12 +94,12 @@ module raypath_unit_walk (
   logic [31:0] closest_t_denom_q;
   logic        closest_is_clockwise_q;
   logic [31:0] closest_primitive_q;
-  logic        finishes_q;
   logic [5:0]  finished_context_q;
   logic [1:0]  finish_request_kind;
+  logic        goes_on;
 
   assign again_taken   = scheduler_grant[4];
-  assign again_asked   = finishes_q & (finish_request_kind == raypath_unit_pkg::RequestContinue);
+  assign again_asked   = goes_on & (finish_request_kind == raypath_unit_pkg::RequestContinue);
   assign asked_context = finished_context_q;
 
   raypath_queue #(.Depth (64), .Width (6)) u_continues (
@@ -162,6 +164,7 @@ module raypath_unit_walk (
   end
 
   // ---- The step is prepared, and the stack is read --------------------------
+  logic        finishes_q;
   logic [31:0] states_extent;
   logic        states_has_hit;
   logic [31:0] states_t_num;
@@ -215,6 +218,7 @@ module raypath_unit_walk (
   logic        prepare_half_ends;
   logic        prepare_half_pops;
   logic        prepare_half_is_empty;
+  logic        prepare_half_is_at_limit;
   logic        prepare_half_is_on_stack;
   logic [6:0]  prepare_half_deepest;
   logic [6:0]  prepare_half_parent;
@@ -259,6 +263,7 @@ module raypath_unit_walk (
   logic        half_ends_q;
   logic        half_pops_q;
   logic        half_is_empty_q;
+  logic        half_is_at_limit_q;
   logic        half_is_on_stack_q;
   logic [6:0]  half_deepest_q;
   logic [6:0]  half_parent_q;
@@ -299,7 +304,7 @@ module raypath_unit_walk (
     .answer_closest_is_hit_i (closest_is_hit_q), .answer_closest_t_i (closest_t_q),
     .answer_closest_t_num_i (closest_t_num_q), .answer_closest_t_denom_i (closest_t_denom_q),
     .answer_closest_is_clockwise_i (closest_is_clockwise_q),
-    .answer_closest_primitive_i (closest_primitive_q),
+    .answer_closest_primitive_i (closest_primitive_q), .node_limit_i,
     .half_state_any_hit_o (prepare_half_state_any_hit),
     .half_state_root_o (prepare_half_state_root), .half_state_extent_o (prepare_half_state_extent),
     .half_state_has_hit_o (prepare_half_state_has_hit),
@@ -325,10 +330,10 @@ module raypath_unit_walk (
     .half_cannot_enter_o (prepare_half_cannot_enter), .half_descends_o (prepare_half_descends),
     .half_is_lost_o (prepare_half_is_lost), .half_leaf_continues_o (prepare_half_leaf_continues),
     .half_ends_o (prepare_half_ends), .half_pops_o (prepare_half_pops),
-    .half_is_empty_o (prepare_half_is_empty), .half_is_on_stack_o (prepare_half_is_on_stack),
-    .half_deepest_o (prepare_half_deepest), .half_parent_o (prepare_half_parent),
-    .half_place_o (prepare_half_place), .half_child_o (prepare_half_child),
-    .half_rest_present_o (prepare_half_rest_present),
+    .half_is_empty_o (prepare_half_is_empty), .half_is_at_limit_o (prepare_half_is_at_limit),
+    .half_is_on_stack_o (prepare_half_is_on_stack), .half_deepest_o (prepare_half_deepest),
+    .half_parent_o (prepare_half_parent), .half_place_o (prepare_half_place),
+    .half_child_o (prepare_half_child), .half_rest_present_o (prepare_half_rest_present),
     .half_rest_child_0_o (prepare_half_rest_child_0),
     .half_rest_child_1_o (prepare_half_rest_child_1),
     .half_rest_child_2_o (prepare_half_rest_child_2),
@@ -378,6 +383,7 @@ module raypath_unit_walk (
     half_ends_q                  <= prepare_half_ends;
     half_pops_q                  <= prepare_half_pops;
     half_is_empty_q              <= prepare_half_is_empty;
+    half_is_at_limit_q           <= prepare_half_is_at_limit;
     half_is_on_stack_q           <= prepare_half_is_on_stack;
     half_deepest_q               <= prepare_half_deepest;
     half_parent_q                <= prepare_half_parent;
@@ -456,21 +462,21 @@ module raypath_unit_walk (
     .half_cannot_enter_i (half_cannot_enter_q), .half_descends_i (half_descends_q),
     .half_is_lost_i (half_is_lost_q), .half_leaf_continues_i (half_leaf_continues_q),
     .half_ends_i (half_ends_q), .half_pops_i (half_pops_q), .half_is_empty_i (half_is_empty_q),
-    .half_is_on_stack_i (half_is_on_stack_q), .half_deepest_i (half_deepest_q),
-    .half_parent_i (half_parent_q), .half_place_i (half_place_q), .half_child_i (half_child_q),
-    .half_rest_present_i (half_rest_present_q), .half_rest_child_0_i (half_rest_child_0_q),
-    .half_rest_child_1_i (half_rest_child_1_q), .half_rest_child_2_i (half_rest_child_2_q),
-    .half_rest_tmin_0_i (half_rest_tmin_0_q), .half_rest_tmin_1_i (half_rest_tmin_1_q),
-    .half_rest_tmin_2_i (half_rest_tmin_2_q), .top_present_i (stack_present),
-    .top_child_0_i (stack_child_0), .top_child_1_i (stack_child_1), .top_child_2_i (stack_child_2),
-    .top_tmin_0_i (stack_tmin_0), .top_tmin_1_i (stack_tmin_1), .top_tmin_2_i (stack_tmin_2),
-    .next_any_hit_o (unused_finish_next_any_hit), .next_root_o (unused_finish_next_root),
-    .next_extent_o (finish_next_extent), .next_has_hit_o (finish_next_has_hit),
-    .next_t_num_o (finish_next_t_num), .next_t_denom_o (finish_next_t_denom),
-    .next_back_face_o (finish_next_back_face), .next_primitive_o (finish_next_primitive),
-    .next_nodes_o (finish_next_nodes), .next_triangles_o (finish_next_triangles),
-    .next_level_o (finish_next_level), .next_pending_low_o (finish_next_pending_low),
-    .next_pending_high_o (finish_next_pending_high),
+    .half_is_at_limit_i (half_is_at_limit_q), .half_is_on_stack_i (half_is_on_stack_q),
+    .half_deepest_i (half_deepest_q), .half_parent_i (half_parent_q), .half_place_i (half_place_q),
+    .half_child_i (half_child_q), .half_rest_present_i (half_rest_present_q),
+    .half_rest_child_0_i (half_rest_child_0_q), .half_rest_child_1_i (half_rest_child_1_q),
+    .half_rest_child_2_i (half_rest_child_2_q), .half_rest_tmin_0_i (half_rest_tmin_0_q),
+    .half_rest_tmin_1_i (half_rest_tmin_1_q), .half_rest_tmin_2_i (half_rest_tmin_2_q),
+    .top_present_i (stack_present), .top_child_0_i (stack_child_0), .top_child_1_i (stack_child_1),
+    .top_child_2_i (stack_child_2), .top_tmin_0_i (stack_tmin_0), .top_tmin_1_i (stack_tmin_1),
+    .top_tmin_2_i (stack_tmin_2), .next_any_hit_o (unused_finish_next_any_hit),
+    .next_root_o (unused_finish_next_root), .next_extent_o (finish_next_extent),
+    .next_has_hit_o (finish_next_has_hit), .next_t_num_o (finish_next_t_num),
+    .next_t_denom_o (finish_next_t_denom), .next_back_face_o (finish_next_back_face),
+    .next_primitive_o (finish_next_primitive), .next_nodes_o (finish_next_nodes),
+    .next_triangles_o (finish_next_triangles), .next_level_o (finish_next_level),
+    .next_pending_low_o (finish_next_pending_low), .next_pending_high_o (finish_next_pending_high),
     .next_place_low_low_o (finish_next_place_low_low),
     .next_place_low_high_o (finish_next_place_low_high),
     .next_place_high_low_o (finish_next_place_high_low),
@@ -516,6 +522,7 @@ module raypath_unit_walk (
         stack_tmin_1, stack_tmin_2})
   );
 
+  assign goes_on       = finishes_q & ~flush_i;
   assign unused_offset = ^finish_request_address[6:0];
   assign unused_level  = ^finish_request_level[6:3];
 
@@ -525,8 +532,8 @@ module raypath_unit_walk (
   assign start_taken_o    = scheduler_grant[3];
   assign read_o           = read;
   assign read_context_o   = read_context;
-  assign fetches_o        = finishes_q & (finish_request_kind == raypath_unit_pkg::RequestFetch);
-  assign ends_o           = finishes_q & (finish_request_kind == raypath_unit_pkg::RequestDone);
+  assign fetches_o        = goes_on & (finish_request_kind == raypath_unit_pkg::RequestFetch);
+  assign ends_o           = finishes_q & (flush_i | (finish_request_kind == 2'd2));
   assign context_o        = finished_context_q;
   assign block_o          = finish_request_address[31:7];
   assign next_extent_o    = finish_next_extent;

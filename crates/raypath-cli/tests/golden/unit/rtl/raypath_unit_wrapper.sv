@@ -9,6 +9,10 @@
 module raypath_unit_wrapper (
   input  logic                               clk_i,
   input  logic                               rst_ni,
+  input  logic                               flush_i,
+  input  logic [31:0]                        node_limit_i,
+  output logic                               idle_o,
+  output logic                               busy_o,
   // A ray enters where valid and ready are 1.
   input  logic                               ray_valid_i,
   output logic                               ray_ready_o,
@@ -30,6 +34,10 @@ module raypath_unit_wrapper (
   raypath_unit u_raypath_unit (
     .clk_i           (clk_i),
     .rst_ni          (rst_ni),
+    .flush_i         (flush_i),
+    .node_limit_i    (node_limit_i),
+    .idle_o          (idle_o),
+    .busy_o          (busy_o),
     .ray_valid_i     (ray_valid_i),
     .ray_ready_o     (ray_ready_o),
     .ray_id_i        (ray_i.id),
