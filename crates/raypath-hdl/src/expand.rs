@@ -21,7 +21,7 @@ pub fn expand_memories(module: &Arc<Module>) -> Result<Arc<Module>, Error> {
         }
         let mut open = Open::new(copy);
         let items = std::mem::take(&mut open.module.items);
-        open.module.text.template = None;
+        (open.module.text.template, open.module.text.verbatim) = (None, None);
         let memories = std::mem::take(&mut open.module.memories);
         for item in items {
             match item {

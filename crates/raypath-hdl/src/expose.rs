@@ -36,7 +36,7 @@ fn exposed(top: &Arc<Module>, with_registers: bool) -> Arc<Module> {
             return Ok(module.clone());
         }
         let mut open = Open::new(copy);
-        open.module.text.template = None;
+        (open.module.text.template, open.module.text.verbatim) = (None, None);
         if with_registers {
             open.module.text = Text::default();
             open.registers();

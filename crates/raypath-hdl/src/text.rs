@@ -139,6 +139,9 @@ pub struct Text {
     pub channels: Vec<(String, String)>,
     /// The text that instances have.
     pub template: Option<Template>,
+    /// Its own text, from `module` on, in place of that of its netlist, and the name, the comment and the text of modules
+    /// that it instantiates and the netlist does not have, in the order of compilation.
+    pub verbatim: Option<(String, Vec<[String; 3]>)>,
     /// Whether the text has a parameter `Width` instead of words of [`PAYLOAD`] bits.
     pub has_width_parameter: bool,
 }
@@ -147,6 +150,15 @@ pub struct Text {
 /// its structures, for tools that do not read types of packages, such as Icarus Verilog 11. It behaves the same.
 pub fn plain(module: &Arc<Module>) -> Arc<Module> {
     changed(module, |module| module.text = Text::default())
+}
+
+/// The same module with a text of its own, from `module` on. Its netlist must be what the text is with the defaults of its
+/// parameters. `below` has the name, the comment and the text of modules that the text instantiates besides those of the
+/// netlist.
+pub fn verbatim(module: &Module, text: String, below: Vec<[String; 3]>) -> Arc<Module> {
+    let mut module = module.clone();
+    module.text.verbatim = Some((text, below));
+    Arc::new(module)
 }
 
 impl Package {

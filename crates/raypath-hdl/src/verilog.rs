@@ -33,8 +33,11 @@ pub const LICENSE: &str = "SPDX-License-Identifier: MIT OR Apache-2.0";
 /// The SystemVerilog text of one module, without those that it instantiates and the package that it refers to; see
 /// [`sources`]. The lines of `banner` become its head comment, followed by the module's own.
 pub fn print_module(module: &Module, banner: &[String]) -> Result<String, Error> {
-    let plan = Plan::new(module);
     let mut lines = head_comment(banner, module.doc());
+    if let Some((text, _)) = &module.text().verbatim {
+        return Ok(lines.into_iter().map(|line| line + "\n").collect::<String>() + text);
+    }
+    let plan = Plan::new(module);
     lines.extend(ports(module));
     lines.extend(plan.labels().declarations());
     lines.extend(enumerated_input(module));

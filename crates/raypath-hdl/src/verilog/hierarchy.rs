@@ -46,6 +46,10 @@ pub fn sources(top: &Arc<Module>, banner: &[String]) -> Result<Vec<Source>, Erro
         sources.push(Source { name: name.to_string(), text: head(&banner[1..], &[doc.to_string()]) + text });
     }
     for module in &found.order {
+        for [name, doc, text] in module.text().verbatim.iter().flat_map(|(_, below)| below) {
+            let text = head(&banner[1..], std::slice::from_ref(doc)) + text;
+            sources.push(Source { name: name.clone(), text });
+        }
         let template = module.text().template.as_ref().filter(|_| !Arc::ptr_eq(module, top));
         let source = match template {
             None => Source { name: module.name().to_string(), text: print_module(module, &banner)? },

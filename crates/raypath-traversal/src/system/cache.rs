@@ -86,7 +86,7 @@ impl CacheCounts {
 }
 
 /// Where a beat is stored: the place of its line, and its number there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Stored {
     /// The set and the way.
     pub place: u32,
