@@ -91,7 +91,8 @@ class Queries:
 async def draw(dut, name):
     picture = json.loads((FOLDER / f"{name}.json").read_text())
     queries = Queries(dut, picture)
-    for signal in (dut.ray_valid_i, dut.hit_ready_i, dut.cand_ready_i, dut.answer_valid_i, dut.rst_ni):
+    inputs = (dut.ray_valid_i, dut.hit_ready_i, dut.cand_ready_i, dut.answer_valid_i, dut.rst_ni)
+    for signal in (dut.flush_i, dut.node_limit_i, dut.invalidate_i, *inputs):
         signal.value = 0
     SceneMemory(dut, bytearray((FOLDER / f"{name}.bin").read_bytes()))
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())

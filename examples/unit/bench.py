@@ -17,7 +17,8 @@ RAY = "id root flags origin_x origin_y origin_z dir_x dir_y dir_z tmin tmax".spl
 HIT_FIELDS = "id status primitive t t_num t_denom back_face".split()
 AXI = ("arid araddr arlen arsize arburst arlock arcache arprot arqos arvalid arready "
        "rid rdata rresp rlast rvalid rready").split()
-PORTS = ["clk_i", "rst_ni", "ray_valid_i", "ray_ready_o", "hit_valid_o", "hit_ready_i",
+PORTS = ["clk_i", "rst_ni", "flush_i", "node_limit_i", "invalidate_i",
+         "ray_valid_i", "ray_ready_o", "hit_valid_o", "hit_ready_i",
          *(f"ray_{name}_i" for name in RAY), *(f"hit_{name}_o" for name in HIT_FIELDS),
          *(f"m_axi_{name}" for name in AXI)]
 
@@ -87,7 +88,7 @@ class Unit:
         self = cls()
         self.dut, self.hits, self.cycles = dut, {}, 0
         find_ports(dut)
-        for signal in (dut.ray_valid_i, dut.hit_ready_i, dut.rst_ni):
+        for signal in (dut.flush_i, dut.node_limit_i, dut.invalidate_i, dut.ray_valid_i, dut.hit_ready_i, dut.rst_ni):
             signal.value = 0
         self.memory = SceneMemory(dut, scene, seed)
         cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())

@@ -270,7 +270,7 @@ impl Unit {
     ///     shared_cache: the bytes of a cache that all units share, behind those of the units; none by default.
     ///     cache_ways: the ways of the caches: 1, 2, 4 or 8.
     ///     cache_line: the bytes of a line of the caches: a block, or 2 or 4; a block by default.
-    ///     cache_misses: the lines that a cache fetches at a time: 2, 4, 8, 16 or 32.
+    ///     cache_misses: the lines that a cache fetches at a time: a power of two from 2 to 64.
     ///     units: the units that share the memory, 1 to 64.
     ///
     /// Returns:
@@ -283,7 +283,7 @@ impl Unit {
     ///     ValueError: another type or shape; an argument out of range.
     ///     KeyboardInterrupt: after Ctrl-C.
     #[pyo3(signature = (scene, rays, *, latency = 100, bandwidth = None, cache = None, cache_ways = 4, cache_line = None,
-        cache_misses = 16, units = 1, shared_cache = None))]
+        cache_misses = 32, units = 1, shared_cache = None))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn simulate<'py>(
         &self,

@@ -232,7 +232,7 @@ fn impossible_caches_are_errors() {
         (CacheParameters { sets: 3, ..good }, "the cache's sets is 3, expected a power of two from 2 to 65536"),
         (CacheParameters { ways: 16, ..good }, "the cache's ways is 16, expected 1, 2, 4 or 8"),
         (CacheParameters { line: 64, ..good }, "the cache's line is 64, expected 128, 256 or 512 bytes"),
-        (CacheParameters { misses: 1, ..good }, "the cache's misses is 1, expected 2, 4, 8, 16 or 32"),
+        (CacheParameters { misses: 1, ..good }, "the cache's misses is 1, expected a power of two from 2 to 64"),
     ] {
         assert_eq!(wrong.check(128).expect_err("an error").to_string(), message);
     }

@@ -974,7 +974,7 @@ class Unit:
         cache: int | None = None,
         cache_ways: int = 4,
         cache_line: int | None = None,
-        cache_misses: int = 16,
+        cache_misses: int = 32,
         units: int = 1,
         shared_cache: int | None = None,
     ) -> tuple[UnitHits, _Simulation]:

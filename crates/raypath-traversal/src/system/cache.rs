@@ -13,7 +13,7 @@ pub struct CacheParameters {
     pub ways: u32,
     /// The bytes of a line: a block, or 2 or 4 blocks.
     pub line: u32,
-    /// The lines that are fetched at a time: 2, 4, 8, 16 or 32.
+    /// The lines that are fetched at a time: a power of two from 2 to 64.
     pub misses: u32,
 }
 
@@ -34,7 +34,7 @@ impl CacheParameters {
     pub fn of_bytes(bytes: u32, ways: u32, line: u32, misses: u32) -> Result<Self, CacheError> {
         let set = ways.saturating_mul(line).max(1);
         let sets = bytes / set;
-        if bytes % set != 0 || !sets.is_power_of_two() || sets < 2 {
+        if !bytes.is_multiple_of(set) || !sets.is_power_of_two() || sets < 2 {
             let expected = format!("{set} bytes times a power of two from 2 on");
             return Err(CacheError { name: "size", value: bytes, expected });
         }
@@ -59,7 +59,7 @@ impl CacheParameters {
             ("sets", sets, is_one(sets, 2..=1 << 16), "a power of two from 2 to 65536".to_string()),
             ("ways", ways, is_one(ways, 1..=8), "1, 2, 4 or 8".to_string()),
             ("line", line, lines.contains(&line), format!("{}, {} or {} bytes", lines[0], lines[1], lines[2])),
-            ("misses", misses, is_one(misses, 2..=32), "2, 4, 8, 16 or 32".to_string()),
+            ("misses", misses, is_one(misses, 2..=64), "a power of two from 2 to 64".to_string()),
         ];
         let wrong = parameters.into_iter().find(|(_, _, is_right, _)| !is_right);
         wrong.map_or(Ok(()), |(name, value, _, expected)| Err(CacheError { name, value, expected }))

@@ -40,7 +40,7 @@ use std::io::Write;
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a mesh through the datapath, and show its utilisation
-    Render(render::Arguments),
+    Render(Box<render::Arguments>),
     /// Write a mesh as the traversal unit reads it from memory
     Scene(scene::Arguments),
     /// Search nearest neighbours through the datapath, and show its utilisation

@@ -14,8 +14,8 @@ set raypath_inputs {
   ray_id_i[*] ray_flags_i[*] ray_root_i[*] ray_origin_x_i[*]
   ray_origin_y_i[*] ray_origin_z_i[*] ray_dir_x_i[*] ray_dir_y_i[*]
   ray_dir_z_i[*] ray_tmin_i[*] ray_tmax_i[*] hit_ready_i
-  m_axi_arready m_axi_rid[*] m_axi_rdata[*] m_axi_rresp[*]
-  m_axi_rlast m_axi_rvalid
+  invalidate_i m_axi_arready m_axi_rid[*] m_axi_rdata[*]
+  m_axi_rresp[*] m_axi_rlast m_axi_rvalid
 }
 # Outputs go to registers of this clock.
 set raypath_outputs {

@@ -41,8 +41,8 @@ pub struct UnitTimingArguments {
     /// The bytes of a line of the caches: a block, or 2 or 4 [default: a block]
     #[arg(long, requires = "caches", value_name = "BYTES")]
     cache_line: Option<u32>,
-    /// The lines that a cache fetches at a time: 2, 4, 8, 16 or 32
-    #[arg(long, default_value_t = 16, requires = "caches", value_name = "LINES")]
+    /// The lines that a cache fetches at a time: a power of two from 2 to 64
+    #[arg(long, default_value_t = 32, requires = "caches", value_name = "LINES")]
     cache_misses: u32,
 }
 

@@ -6,12 +6,25 @@
 //
 // raypath_unit with an AXI4 read master as its memory port.
 // A block is a burst of 2 beats of 64 bytes; its id is the context, 6 bits.
+// With a cache, a line is a burst.
 
-module raypath_unit_axi (
+module raypath_unit_axi #(
+  // The sets of the cache of blocks, a power of two; 0 for none. Its ways, the lines that it fetches at
+  // a time, and the bytes of a line: a block, or 2 or 4.
+  parameter logic [31:0] CacheSets      = 0,
+  parameter logic [31:0] CacheWays      = 4,
+  parameter logic [31:0] CacheMisses    = 8,
+  parameter logic [31:0] CacheLineBytes = 128,
+  // Attributes of reads: normal memory, bufferable, not secure.
+  parameter logic [3:0]  ArCache        = 4'b0011,
+  parameter logic [2:0]  ArProt         = 3'b010,
+  parameter logic [3:0]  ArQos          = 4'b0000
+) (
   input  logic         clk_i,
   input  logic         rst_ni,
   input  logic         flush_i,
   input  logic [31:0]  node_limit_i,
+  input  logic         invalidate_i,     // the cache forgets all lines
   output logic         idle_o,
   output logic         busy_o,
   // A ray enters where valid and ready are 1.
@@ -61,27 +74,39 @@ module raypath_unit_axi (
   output logic         m_axi_rready
 );
 
-  logic unused_rlast;
-
-  assign unused_rlast = m_axi_rlast;
+  logic mem_req_valid;
+  logic mem_req_ready;
+  logic [31:0] mem_req_addr;
+  logic [5:0] mem_req_tag;
+  logic mem_rsp_valid;
+  logic unused_mem_rsp_ready;
+  logic [5:0] mem_rsp_tag;
+  logic mem_rsp_error;
+  logic [511:0] mem_rsp_data;
 
   raypath_unit u_unit (
     .clk_i, .rst_ni, .flush_i, .node_limit_i, .ray_valid_i, .ray_id_i, .ray_flags_i, .ray_root_i,
     .ray_origin_x_i, .ray_origin_y_i, .ray_origin_z_i, .ray_dir_x_i, .ray_dir_y_i, .ray_dir_z_i,
-    .ray_tmin_i, .ray_tmax_i, .hit_ready_i, .mem_req_ready_i (m_axi_arready),
-    .mem_rsp_valid_i (m_axi_rvalid), .mem_rsp_tag_i (m_axi_rid), .mem_rsp_error_i (|m_axi_rresp),
-    .mem_rsp_data_i (m_axi_rdata), .idle_o, .busy_o, .ray_ready_o, .hit_valid_o, .hit_id_o,
-    .hit_status_o, .hit_t_o, .hit_primitive_o, .hit_t_num_o, .hit_t_denom_o, .hit_back_face_o,
-    .hit_nodes_o, .hit_triangles_o, .mem_req_valid_o (m_axi_arvalid),
-    .mem_req_addr_o (m_axi_araddr), .mem_req_tag_o (m_axi_arid), .mem_rsp_ready_o (m_axi_rready)
+    .ray_tmin_i, .ray_tmax_i, .hit_ready_i, .idle_o, .busy_o, .ray_ready_o, .hit_valid_o,
+    .hit_id_o, .hit_status_o, .hit_t_o, .hit_primitive_o, .hit_t_num_o, .hit_t_denom_o,
+    .hit_back_face_o, .hit_nodes_o, .hit_triangles_o,
+    .mem_req_valid_o (mem_req_valid), .mem_req_ready_i (mem_req_ready),
+    .mem_req_addr_o (mem_req_addr), .mem_req_tag_o (mem_req_tag), .mem_rsp_valid_i (mem_rsp_valid),
+    .mem_rsp_ready_o (unused_mem_rsp_ready), .mem_rsp_tag_i (mem_rsp_tag),
+    .mem_rsp_error_i (mem_rsp_error), .mem_rsp_data_i (mem_rsp_data)
   );
 
-  assign m_axi_arlen   = 8'd1;
-  assign m_axi_arsize  = 3'd6;
-  assign m_axi_arburst = 2'd1;
-  assign m_axi_arlock  = 1'b0;
-  assign m_axi_arcache = 4'd3;
-  assign m_axi_arprot  = 3'd0;
-  assign m_axi_arqos   = 4'd0;
+  raypath_axi_reader #(
+    .AddressWidth (32), .DataWidth (512), .BlockBytes (128), .Requesters (64),
+    .CacheSets (CacheSets), .CacheWays (CacheWays), .CacheMisses (CacheMisses),
+    .CacheLineBytes (CacheLineBytes), .ArCache (ArCache), .ArProt (ArProt), .ArQos (ArQos)
+  ) u_reader (
+    .clk_i, .rst_ni, .invalidate_i, .req_valid_i (mem_req_valid), .req_addr_i (mem_req_addr),
+    .req_tag_i (mem_req_tag), .req_ready_o (mem_req_ready), .rsp_valid_o (mem_rsp_valid),
+    .rsp_tag_o (mem_rsp_tag), .rsp_error_o (mem_rsp_error), .rsp_data_o (mem_rsp_data),
+    .m_axi_arready, .m_axi_arvalid, .m_axi_arid, .m_axi_araddr, .m_axi_arlen, .m_axi_arsize,
+    .m_axi_arburst, .m_axi_arlock, .m_axi_arcache, .m_axi_arprot, .m_axi_arqos, .m_axi_rvalid,
+    .m_axi_rid, .m_axi_rdata, .m_axi_rresp, .m_axi_rlast, .m_axi_rready
+  );
 
 endmodule : raypath_unit_axi
