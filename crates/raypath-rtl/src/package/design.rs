@@ -59,24 +59,25 @@ pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
     let Wrapped { top, wrapper: axi, properties, types, purpose, description, period_ns } = design;
     let (banner, name, wrapper_name) = (&banner(description), top.name(), axi.name());
     let Printed { names, all, .. } = Printed::of(top, banner)?;
-    // The modules of the wrapper are those of the top module, and the wrapper.
-    let mut files = Printed::of(axi, banner)?.files;
+    // Besides those of the top module.
+    let Printed { mut files, names: of_wrapper, .. } = Printed::of(axi, banner)?;
+    let wrapper: Vec<String> = of_wrapper.into_iter().filter(|path| !names.contains(path)).collect();
     let (all_file, checks) = (format!("{name}.sv"), "raypath_properties.sv");
     files.push((checks.into(), checkers(properties, &all_file, banner)));
     files.push((format!("{name}.f").into(), list(&names)));
     files.push((all_file.into(), all));
     files.push((format!("{name}_plain.sv").into(), plain(top, banner)?));
     let with_structures = Wrapper::of_channels(top, types).files(banner);
-    let (wrapper, structured) = (vec![format!("rtl/{wrapper_name}.sv")], paths(&with_structures));
+    let structured = paths(&with_structures);
     files.extend(with_structures);
-    files.push((format!("{wrapper_name}.f").into(), list(&[&names[..], &wrapper].concat())));
+    let of_axi = [&names[..], &wrapper].concat();
+    files.push((format!("{wrapper_name}.f").into(), list(&of_axi)));
     files.push((format!("{name}_wrapper.f").into(), list(&[&names[..], &structured].concat())));
     let wrapper = [wrapper, structured].concat();
     let sources = Sources { name, description: purpose, modules: names, wrapper_name, wrapper, properties: checks };
     files.push((format!("{name}.core").into(), sources.fusesoc(banner)));
     files.push(("Bender.yml".into(), sources.bender(banner)));
-    let all = [sources.modules, sources.wrapper].concat();
-    files.extend(soc::files(axi, &all, purpose, banner, period_ns));
+    files.extend(soc::files(axi, &of_axi, purpose, banner, period_ns));
     Ok(files)
 }
 

@@ -18,8 +18,8 @@ folder, module, period = pathlib.Path(sys.argv[1]), sys.argv[2], float(sys.argv[
 
 def ports_of(name):
     text = (folder / f"rtl/{name}.sv").read_text()
-    header = re.search(rf"^module {name} \(\n(.*?)\n\);", text, re.S | re.M)[1]
-    found = re.findall(r"^  (input|output) +logic +(?:\[(\d+):0\] +)?(\w+),?$", header, re.M)
+    header = re.search(rf"^module {name} (?:#\(\n.*?\n\) )?\(\n(.*?)\n\);", text, re.S | re.M)[1]
+    found = re.findall(r"^  (input|output) +logic +(?:\[(\d+):0\] +)?(\w+),?(?: +//.*)?$", header, re.M)
     assert len(found) == sum(not line.strip().startswith("//") for line in header.splitlines())
     return {port: (direction, int(left or 0) + 1) for direction, left, port in found}
 

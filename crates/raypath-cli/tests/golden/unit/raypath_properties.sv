@@ -388,7 +388,8 @@ module raypath_unit_ports_properties #(
       asked_q     <= '0;
     end else begin
       runs_q   <= was_reset_q;
-      inside_q <= (idle_i ? '0 : inside_q) + {{ContextWidth{1'b0}}, enters_i} - {{ContextWidth{1'b0}}, leaves_i};
+      inside_q <= (idle_i ? '0 : inside_q)
+                + {{ContextWidth{1'b0}}, enters_i} - {{ContextWidth{1'b0}}, leaves_i};
       if (answers_i) begin
         asked_q[answer_tag_i] <= 1'b0;
       end

@@ -47,4 +47,6 @@ rtl/raypath_unit_finish.sv
 rtl/raypath_unit_walk.sv
 rtl/raypath_unit_hits.sv
 rtl/raypath_unit.sv
+rtl/raypath_cache.sv
+rtl/raypath_axi_reader.sv
 rtl/raypath_unit_axi.sv

@@ -132,8 +132,8 @@ module raypath_cache #(
     end
   end
 
-  // The word of a set has its lines in the order of their last use, each with the way in which it is
-  // stored. So a line that is used moves to the front, and the last one is replaced.
+  // The word of a set has its lines in the order of their last use, each with the way in which it
+  // is stored. So a line that is used moves to the front, and the last one is replaced.
   logic [WordWidth-1:0]  stored_word;
   logic [WordWidth-1:0]  initial_word;
   logic [WordWidth-1:0]  word;
@@ -194,7 +194,7 @@ module raypath_cache #(
 
   // ---- Lines under way --------------------------------------------------------
   // Requests of a line under way form a list, from the head to the tail; `u_followers` has the one
-  // after each. A line stays under way until all of its list is answered: other requests of it join.
+  // after each. A line stays under way until all of its list is answered: others of it join.
   logic [Misses-1:0]            is_busy;
   logic [Misses-1:0]            is_same;
   logic [Misses-1:0]            is_victim;
@@ -445,7 +445,8 @@ module raypath_cache #(
       read_is_hit_q <= takes_hit;
       read_left_q   <= BeatWidth'(Beats - 1);
       read_error_q  <= takes_walk & has_error[walk_miss_q];
-      read_place_q  <= takes_hit ? hit_places_q[32'(hit_head_q)*PlaceWidth+:PlaceWidth] : walk_place;
+      read_place_q  <= takes_hit ? hit_places_q[32'(hit_head_q)*PlaceWidth+:PlaceWidth]
+                     : walk_place;
       read_beat_q   <= takes_hit ? hit_beats_q[32'(hit_head_q)*BeatWidth+:BeatWidth] : walk_beat;
       read_tag_q    <= takes_hit ? hit_tags_q[32'(hit_head_q)*TagWidth+:TagWidth] : walk_tag_q;
     end else begin
@@ -481,7 +482,8 @@ module raypath_cache #(
     rsp_error_o <= read_error_q;
   end
 
-  assign idle_o   = ~look_valid_q & ~(|is_busy) & (hit_count_q == 3'd0) & ~read_valid_q & ~rsp_valid_o;
+  assign idle_o   = ~look_valid_q & ~(|is_busy) & (hit_count_q == 3'd0) & ~read_valid_q
+                  & ~rsp_valid_o;
   assign hits_o   = hits;
   assign merges_o = merges;
   assign misses_o = allocates;
