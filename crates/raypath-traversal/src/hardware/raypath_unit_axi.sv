@@ -1,6 +1,6 @@
 module raypath_unit_axi #(
-  // The sets of the cache of blocks, a power of two; 0 for none. Its ways, the lines that it fetches
-  // at a time, and the bytes of a line: a block, or 2 or 4.
+  // The sets of the cache of blocks, a power of two; 0 for none. Its ways, the lines that it
+  // fetches at a time, and the bytes of a line: a block, or 2 or 4.
   parameter logic [31:0] CacheSets      = 0,
   parameter logic [31:0] CacheWays      = 4,
   parameter logic [31:0] CacheMisses    = 8,
@@ -32,8 +32,9 @@ module raypath_unit_axi #(
 
   raypath_axi_reader #(
     .AddressWidth (@ADDRESS@), .DataWidth (@WIDTH@), .BlockBytes (@BLOCK@),
-    .Requesters (@CONTEXTS@), .CacheSets (CacheSets), .CacheWays (CacheWays), .CacheMisses (CacheMisses),
-    .CacheLineBytes (CacheLineBytes), .ArCache (ArCache), .ArProt (ArProt), .ArQos (ArQos)
+    .Requesters (@CONTEXTS@), .CacheSets (CacheSets), .CacheWays (CacheWays),
+    .CacheMisses (CacheMisses), .CacheLineBytes (CacheLineBytes), .ArCache (ArCache),
+    .ArProt (ArProt), .ArQos (ArQos)
   ) u_reader (
     .clk_i, .rst_ni, .invalidate_i, .req_valid_i (mem_req_valid), .req_addr_i (mem_req_addr),
     .req_tag_i (mem_req_tag), .req_ready_o (mem_req_ready), .rsp_valid_o (mem_rsp_valid),
