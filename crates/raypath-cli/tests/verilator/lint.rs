@@ -135,9 +135,13 @@ fn designs_of_different_prefixes_fit_in_one() {
         files.extend(listed(&own, &format!("{top}.f")));
         files.push(own.join(format!("{prefix}_properties.sv")));
         let text = std::fs::read_to_string(own.join(format!("rtl/{top}.sv"))).expect("the top module");
-        let header = text.split_once(&format!("module {top} (\n")).and_then(|(_, rest)| rest.split_once("\n);"));
+        // The ports follow the parameters, if there are any.
+        let header = text.split_once(&format!("module {top} ")).and_then(|(_, rest)| rest.split_once("\n);"));
+        let header = header.map(|(header, _)| header.rsplit_once("(\n").unwrap_or_default().1);
         let mut connections = Vec::new();
-        for port in header.expect("ports").0.lines().filter(|line| !line.trim_start().starts_with("//")) {
+        let ports_of =
+            header.expect("ports").lines().map(|line| line.split("//").next().unwrap_or_default().trim_end());
+        for port in ports_of.filter(|line| !line.is_empty()) {
             let (kind, name) = port.trim_end_matches(',').rsplit_once(' ').expect("a type and a name");
             ports.push(format!("{kind} {prefix}_{name}"));
             connections.push(format!("    .{name} ({prefix}_{name})"));

@@ -987,15 +987,18 @@ class Unit:
             latency: cycles from a request to the first beat of its block, 1 to 1,000,000; with a cache, of a miss.
             bandwidth: the bytes that arrive from the memory in a cycle, 1 to 65,536; as many as the unit takes by
                 default.
-            cache: the bytes of a cache before the memory; none by default.
-            cache_ways: the ways of the cache.
-            cache_line: the bytes of a line of the cache, a power of two from 32 to 4096.
-            cache_latency: cycles of a hit in the cache.
+            cache: the bytes of the cache of each unit; none by default.
+            shared_cache: the bytes of a cache that all units share, behind those of the units; none by default.
+            cache_ways: the ways of the caches: 1, 2, 4 or 8.
+            cache_line: the bytes of a line of the caches: a block, or 2 or 4; a block by default.
+            cache_misses: the lines that a cache fetches at a time: a power of two from 2 to 64.
+            units: the units that share the memory, 1 to 64.
 
         Returns:
             The hits, as those of ``trace``, and a dictionary of what was measured: ``cycles``, ``rays``, ``boxes`` and
             ``triangles`` (jobs of the datapath), ``steps``, ``fetches``, ``beats`` (of the memory), ``cache_hits``,
-            ``cache_misses``, ``rays_in_flight`` (the mean) and ``jobs_per_cycle``.
+            ``cache_merges`` (requests that joined a miss), ``cache_misses``, ``rays_in_flight`` (the mean) and
+            ``jobs_per_cycle``.
 
         Raises:
             ValueError: another type or shape; an argument out of range.
