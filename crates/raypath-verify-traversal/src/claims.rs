@@ -153,7 +153,8 @@ claims! {
     }
     "raypath_unit_walk" in Plain: include_str!("properties/walk.sv"),
         Some(("u_continues.", "raypath_unit_continues")), walk; "p_continues && p_follows_q && p_ahead_q == 0"; {
-        one_request: "again_asked = goes_on & (finish_request_kind == 2'd1)" => "again_asked = finish_request_kind == 2'd1";
+        one_request: "= goes_on & (finish_request_kind == raypath_unit_pkg::RequestContinue)"
+            => "= finish_request_kind == raypath_unit_pkg::RequestContinue";
         one_request: "goes_on = finishes_q & ~flush_i" => "goes_on = finishes_q";
         flushed: "finishes_q & (flush_i | " => "finishes_q & (";
         two_cycles: "<= prepared_context_q;" => "<= read_context;";
