@@ -594,9 +594,9 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
         lambda unit: unit.trace(SCENE, changed("base", 1)),
         r"ray 1: base is 1, expected 0 to 0 with addresses of 32 bits",
     ),
-    (lambda unit: unit.simulate(SCENE, RAYS, latency=0), r"latency of 0 cycles, expected 1 to 1000000"),
+    (lambda unit: unit.simulate(SCENE, RAYS, latency=0), r"a system with 0 cycles of latency, expected 1 to 1000000"),
     (lambda unit: unit.simulate(SCENE, RAYS, bandwidth=0), r"0 bytes a cycle, expected 1 to 65536"),
-    (lambda unit: unit.simulate(SCENE, RAYS, cache=100), r"a cache of 100 bytes"),
+    (lambda unit: unit.simulate(SCENE, RAYS, cache=100), r"the cache's size is 100, expected 512 bytes times"),
     (lambda unit: unit.trace(raypath.UnitScene(b"", 32, node="quantised"), RAYS), r"nodes quantised, expected wide4"),
     (
         lambda unit: unit.trace(raypath.UnitScene(b"", 32, queries="flags"), RAYS),
