@@ -68,7 +68,7 @@ class Bench:
 
     def outcome(self):
         """The outcome at the output as distances, hits and indices, in the order of a transaction file."""
-        read = lambda name: getattr(self.dut, f"{name}_o").value.integer
+        read = lambda name: int(getattr(self.dut, f"{name}_o").value)
         assert read("opcode") == QUADBOX
         hits = [read("is_intersect") >> place & 1 for place in range(4)]
         return [*(read(f"tmin_{i}") for i in range(4)), *hits, *(read(f"box_index_{i}") for i in range(4))]

@@ -41,7 +41,7 @@ class Queries:
         self.ports = {name: getattr(dut, name) for name in ports}
 
     def read(self, channel, fields):
-        return [self.ports[f"{channel}_{name}_o"].value.integer for name in fields]
+        return [int(self.ports[f"{channel}_{name}_o"].value) for name in fields]
 
     def write(self, channel, fields, values):
         for name, value in zip(fields, values, strict=True):

@@ -130,6 +130,6 @@ class Unit:
         dut.ray_valid_i.value = 0
 
     def receive(self):
-        number, *hit = [getattr(self.dut, f"hit_{name}_o").value.integer for name in HIT_FIELDS]
+        number, *hit = [int(getattr(self.dut, f"hit_{name}_o").value) for name in HIT_FIELDS]
         assert number not in self.hits, f"ray {number} ends twice"
         self.hits[number] = tuple(hit)
