@@ -230,6 +230,46 @@ fn the_rtl_draws_the_picture_of_the_model() {
     assert!(bytes(&drawn) != bytes(&model), "a changed hit shows");
 }
 
+/// `examples/agent`: the rays of a mesh, with stalls, reordered beats, errors of the memory and flushes. A bit of a hit
+/// that changes is found. slang elaborates the covergroups, which Verilator 5.006 does not read.
+#[test]
+fn the_agent_compares_every_hit_with_the_model() {
+    const SLANG: &str = "
+import sys
+from pyslang.driver import Driver
+driver = Driver()
+driver.addStandardArgs()
+read = driver.parseCommandLine(' '.join(sys.argv)) and driver.processOptions() and driver.parseAllSources()
+sys.exit(not (read and driver.runFullCompilation(True)))";
+    let folder = folder();
+    let below = |name: &str| text(&folder.path().join(name));
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/agent");
+    let test = std::env::current_exe().expect("the path of this test");
+    let mut bench = Command::new(examples.join("run.sh"));
+    bench.arg(folder.path()).arg("+flush=50").env("RAYPATH", env!("CARGO_BIN_EXE_raypath")).env("SIZE", "16x12");
+    // Cargo leaves libraypath beside the tests.
+    let output = bench.env("RAYPATH_BUILT", test.parent().expect("a folder")).output().expect("bash");
+    let whole = said(&output);
+    assert!(output.status.success(), "{whole}");
+    let counts = printed(&whole, "scoreboard: 192 rays, ");
+    assert!(counts.ends_with(" 0 mismatches") && whole.contains(" of 48 bins"), "{whole}");
+
+    let mut again = Command::new(below("bench/Vbench"));
+    again.args([&format!("+folder={}", below("")), "+node_limit=40", "+corrupt_ray=17", "+corrupt_word=10"]);
+    let output = again.output().expect("the bench");
+    let corrupt = said(&output);
+    assert!(!output.status.success(), "{corrupt}");
+    assert!(printed(&corrupt, "ERROR: ray 17 (id 11): hit_triangles_o is ").contains(", expected "), "{corrupt}");
+
+    let of = |name: &str| text(&examples.join(format!("raypath_{name}.sv")));
+    let mut slang = Command::new("python3");
+    slang.args(["-c", SLANG, "-Werror", "-DRAYPATH_COVERGROUPS", "--top", "bench", "-I", &below("bench")]);
+    slang.args([&below("raypath_unit.sv"), &of("agent_pkg"), &of("unit_if"), &of("agent")]);
+    slang.args(["driver", "memory", "scoreboard", "coverage"].map(|name| of(&format!("agent_{name}"))));
+    let output = slang.arg(examples.join("bench.sv")).output().expect("python3");
+    assert!(output.status.success(), "{}", said(&output));
+}
+
 #[test]
 fn hits_that_are_not_of_the_picture_are_named() {
     let folder = folder();
