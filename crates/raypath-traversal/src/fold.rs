@@ -41,16 +41,18 @@ pub fn fold<C: WordCircuit>(
     let After { is_set, t, primitive } = limits.after;
     let order = found.t.compare(t);
     let is_after = !is_set | order.greater() | (order.equal() & primitive.less(found.primitive));
-    let counts = found.is_hit & !is_culled & found.t.compare(limits.t_min).greater() & is_after;
+    let passes = found.is_hit & !is_culled & found.t.compare(limits.t_min).greater();
+    let counts = passes & is_after;
     let has_before = !is_first & before.is_hit;
     let distance = found.t.compare(before.t);
     let wins_tie = distance.equal() & found.primitive.less(before.primitive);
     let is_better = counts & (!has_before | distance.less() | wins_tie);
     let has_more = has_before & (counts | before.has_more);
     let c = is_first.circuit;
-    label!(c: is_culled, is_after, counts, has_before, is_better);
     // The first is taken in any case: its indices are those of a block without a hit, too.
-    TriangleHit { is_hit: counts | has_before, has_more, ..(is_better | is_first).select(found, before) }
+    let is_taken = is_better | is_first;
+    label!(c: is_first, is_culled, is_after, passes, counts, has_before, has_more, is_better, is_taken);
+    TriangleHit { is_hit: counts | has_before, has_more, ..is_taken.select(found, before) }
 }
 
 #[cfg(test)]

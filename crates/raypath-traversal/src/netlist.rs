@@ -81,7 +81,7 @@ impl<'m> Circuit for Netlist<'m> {
     type Order = Comparison<'m>;
 
     fn label<B: Bundle<Self>>(self, name: fmt::Arguments<'_>, value: &B) {
-        wires(&name.to_string(), value).into_iter().for_each(|(name, wire)| wire.hint(&name));
+        wires(&name.to_string(), value).into_iter().for_each(|(name, wire)| _ = wire.hint(&name));
     }
     fn constant(self, value: f32) -> Value<'m> {
         self.constant_value(WIDTH, value.to_bits().into())
@@ -113,12 +113,13 @@ impl<'m> Circuit for Netlist<'m> {
     }
 
     fn compare(self, a: Value<'m>, b: Value<'m>) -> Comparison<'m> {
-        let unordered = self.is_nan(a) | self.is_nan(b);
-        let equal = a.0.equals(b.0) | (self.is_zero(a) & self.is_zero(b));
+        let unordered = (self.is_nan(a) | self.is_nan(b)).hint("unordered");
+        let equal = (a.0.equals(b.0) | (self.is_zero(a) & self.is_zero(b))).hint("equal");
         let (p, q) = (self.magnitude(a), self.magnitude(b));
         let (a_negative, b_negative) = (a.0.top(), b.0.top());
-        let alike = a_negative.mux(q.less(p), p.less(q));
-        let less = (a_negative ^ b_negative).mux(a_negative, alike) & !equal;
+        let alike = a_negative.mux(q.less(p), p.less(q)).hint("alike_below");
+        let below = (a_negative ^ b_negative).mux(a_negative, alike).hint("below");
+        let less = (below & !equal).hint("less");
         Comparison {
             less: Value(!unordered & less),
             equal: Value(!unordered & equal),
@@ -219,14 +220,15 @@ impl<'m> WordCircuit for Netlist<'m> {
     fn word_not(self, _width: u32, a: Value<'m>) -> Value<'m> {
         Value(!a.0)
     }
+    fn is_finite(self, a: Value<'m>) -> Value<'m> {
+        Value(!a.0.bits(30, 23).all())
+    }
     fn word_highest(self, a: Value<'m>) -> Value<'m> {
         // The upper half if it has a bit, else the lower one. The lowest bit of each decides nothing.
         let mut word = a.0.upper(31);
         let [b4, b3, b2, b1] = [16, 8, 4, 2].map(|half| {
-            let is_in_upper = word.upper(half).any();
-            word = is_in_upper.mux(word.upper(half - 1), word.lower(half - 1));
-            is_in_upper.hint(&format!("is_in_upper_{half}"));
-            word.hint(&format!("half_of_{half}"));
+            let is_in_upper = word.upper(half).any().hint(&format!("is_in_upper_{half}"));
+            word = is_in_upper.mux(word.upper(half - 1), word.lower(half - 1)).hint(&format!("half_of_{half}"));
             is_in_upper
         });
         Value(self.0.concat(&[b4, b3, b2, b1, word]))

@@ -2,7 +2,7 @@
 //! geometry is opaque. The rules are those of Vulkan's `VK_KHR_ray_query` and of DirectX Raytracing.
 
 use crate::codes::codes;
-use crate::words::WordCircuit;
+use crate::words::{WordCircuit, label};
 use raypath_ops::{Bit, Circuit, Select, Word, bundle};
 use thiserror::Error;
 
@@ -187,25 +187,29 @@ impl<C: WordCircuit> RayFlags<C> {
     /// which triangles are culled, or all primitives are skipped.
     #[inline(always)]
     pub fn are_meaningless(self) -> Bit<C> {
-        let two_of_three = |a: Bit<C>, b: Bit<C>, d: Bit<C>| (a & b) | (a & d) | (b & d);
-        let opaque = (self.opaque & self.no_opaque) | (self.cull_opaque & self.cull_no_opaque);
-        let opaque = opaque | ((self.opaque | self.no_opaque) & (self.cull_opaque | self.cull_no_opaque));
-        opaque
-            | two_of_three(self.cull_back, self.cull_front, self.skip_triangles)
-            | (self.skip_triangles & self.skip_boxes)
+        let both = (self.opaque & self.no_opaque) | (self.cull_opaque & self.cull_no_opaque);
+        let mixed = (self.opaque | self.no_opaque) & (self.cull_opaque | self.cull_no_opaque);
+        let any_face = (self.cull_back | self.cull_front) & self.skip_triangles;
+        let faces = (self.cull_back & self.cull_front) | any_face;
+        let c = self.opaque.circuit;
+        label!(c: both, mixed, any_face, faces);
+        both | mixed | faces | (self.skip_triangles & self.skip_boxes)
     }
 
     /// Whether a primitive counts as opaque: as its geometry is, if neither the instance nor the ray says otherwise.
     #[inline(always)]
     pub fn is_opaque(self, geometry: Bit<C>, instance: InstanceFlags<C>) -> Bit<C> {
         let of_instance = instance.force_opaque | (geometry & !instance.force_no_opaque);
+        geometry.circuit.label(format_args!("is_opaque_by_itself"), &of_instance);
         self.opaque | (of_instance & !self.no_opaque)
     }
 
     /// Whether boxes or triangles of this opacity are not hit.
     #[inline(always)]
     pub fn skip(self, is_box: Bit<C>, is_opaque: Bit<C>) -> Bit<C> {
-        is_box.select(self.skip_boxes, self.skip_triangles) | is_opaque.select(self.cull_opaque, self.cull_no_opaque)
+        let (c, culled) = (is_box.circuit, is_opaque.select(self.cull_opaque, self.cull_no_opaque));
+        label!(c: culled);
+        is_box.select(self.skip_boxes, self.skip_triangles) | culled
     }
 
     /// The triangles that are not hit because of their face.
@@ -225,6 +229,7 @@ impl<C: WordCircuit> RayFlags<C> {
     #[inline(always)]
     pub fn culls_of_opaque(self, c: C, front: Front) -> Culls<C> {
         let all = self.skip_triangles | self.cull_opaque;
+        c.label(format_args!("culls_all"), &all);
         let Culls { clockwise, counter_clockwise } = self.culls(front, InstanceFlags::none(c));
         Culls { clockwise: clockwise | all, counter_clockwise: counter_clockwise | all }
     }

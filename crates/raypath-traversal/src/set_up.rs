@@ -59,8 +59,9 @@ pub fn is_refused<C: WordCircuit>(c: C, entry: &Entry<C>) -> Bit<C> {
     let all = |of: [Num<C>; 3], test: &dyn Fn(Num<C>) -> Bit<C>| test(of[0]) & test(of[1]) & test(of[2]);
     let finite = all(origin, &|x| is_finite(c, x)) & all(dir, &|x| is_finite(c, x));
     let is_zero = all(dir, &|x| x.is_zero());
-    label!(c: finite, is_zero);
-    !(finite & !is_zero & t_min.is_at_least_zero() & t_max.is_at_least_zero())
+    let has_range = t_min.is_at_least_zero() & t_max.is_at_least_zero();
+    label!(c: finite, is_zero, has_range);
+    !(finite & !is_zero & has_range)
 }
 
 /// The axes of a direction.
@@ -68,12 +69,16 @@ pub fn is_refused<C: WordCircuit>(c: C, entry: &Entry<C>) -> Bit<C> {
 pub fn axes<C: WordCircuit>(c: C, dir: Vec3<C>) -> Axes<C> {
     let [x, y, z] = components(dir).map(|component| magnitude(component));
     let y_is_greater = y.compare(x).greater();
-    let z_is_greater = z.compare(y_is_greater.select(y, x)).greater();
+    let greater = y_is_greater.select(y, x);
+    let z_is_greater = z.compare(greater).greater();
     let kz: Word<C, 2> = z_is_greater.select(c.word(2), y_is_greater.select(c.word(1), c.word(0)));
-    label!(c: y_is_greater, z_is_greater, kz);
+    label!(c: y_is_greater, greater, z_is_greater, kz);
     let after = |k: Word<C, 2>| k.is(2).select(c.word(0), k.plus_constant(1));
-    let (first, second) = (after(kz), after(after(kz)));
-    let (kx, ky) = dir.along(kz).is_below_zero().exchange(first, second);
+    let first = after(kz);
+    let (second, along_z) = (after(first), dir.along(kz));
+    let is_reversed = along_z.is_below_zero();
+    label!(c: first, second, along_z, is_reversed);
+    let (kx, ky) = is_reversed.exchange(first, second);
     Axes { kx, ky, kz }
 }
 
@@ -83,6 +88,7 @@ pub fn divisions<C: WordCircuit>(c: C, dir: Vec3<C>, axes: Axes<C>) -> [Division
     let one = Num::new(c, c.constant(1.0));
     let Vec3 { x, y, z } = dir;
     let along_z = dir.along(axes.kz);
+    label!(c: along_z);
     let of = |dividend, divisor| Division { dividend, divisor };
     [of(one, x), of(one, y), of(one, z), of(dir.along(axes.kx), along_z), of(dir.along(axes.ky), along_z)]
 }
@@ -92,6 +98,7 @@ pub fn divisions<C: WordCircuit>(c: C, dir: Vec3<C>, axes: Axes<C>) -> [Division
 pub fn derived<C: WordCircuit>(c: C, axes: Axes<C>, [x, y, z, shear_x, shear_y]: [Num<C>; QUOTIENTS]) -> Derived<C> {
     let inv = Vec3 { x, y, z };
     let shear_z = inv.along(axes.kz);
+    label!(c: shear_z);
     Derived { inv, shear: Vec3 { x: shear_x, y: shear_y, z: shear_z }, is_too_short: !is_finite(c, shear_z) }
 }
 
@@ -110,7 +117,7 @@ fn components<C: Circuit>(Vec3 { x, y, z }: Vec3<C>) -> [Num<C>; 3] {
 
 #[inline(always)]
 fn is_finite<C: WordCircuit>(c: C, x: Num<C>) -> Bit<C> {
-    magnitude(x).compare(c.infinity()).less()
+    Bit::new(c, c.is_finite(x.value))
 }
 
 #[inline(always)]

@@ -232,7 +232,8 @@ pub fn prepare<C: WordCircuit>(
     let next_block = is_done & !repeats & has_next;
     let leaf_ends = goes_on & !repeats & !has_next;
 
-    label!(c: has_boxes, has_block, has_verdict, is_done, goes_on, repeats, has_next, leaf_ends);
+    label!(c: starts, is_refused, may_enter, may_not, is_closed, enters, cannot_enter, failed, stays_out);
+    label!(c: has_boxes, has_block, has_verdict, is_done, ends, goes_on, repeats, has_next, next_block, leaf_ends);
 
     // The child at `place` of the tested node, or the only child of an instance.
     let at_target = same(state.level, state.target);
@@ -245,7 +246,9 @@ pub fn prepare<C: WordCircuit>(
     label!(c: at_target, along, first, is_hit, descends, is_lost);
 
     // The first remaining child of the deepest pending level.
-    let pops = leaf_ends | continues | stays_out | (has_boxes & !chosen.hit & !state.restarting);
+    let leaves = leaf_ends | continues | stays_out;
+    label!(c: leaves);
+    let pops = leaves | (has_boxes & !chosen.hit & !state.restarting);
     let deepest = state.pending.deepest();
     // The constants are those of an instance that was fetched last, also if the ray stays out of it.
     let instance_level = (may_enter | may_not).select(state.level, state.instance_level);
@@ -336,7 +339,9 @@ pub fn finish<C: WordCircuit>(
     let instance_flags = leaves_instance.select(InstanceFlags::none(c), state.instance_flags);
     let is_opaque = state.flags.is_opaque(target.is_opaque, instance_flags);
     let skips_leaf = if parameters.features.has_flags() {
-        visits & target.is_leaf & state.flags.skip(target.is_box, is_opaque)
+        let skips = state.flags.skip(target.is_box, is_opaque);
+        label!(c: skips);
+        visits & target.is_leaf & skips
     } else {
         c.bit(false)
     };
@@ -346,7 +351,7 @@ pub fn finish<C: WordCircuit>(
     let full = parameters.node.triangles_per_block();
     let count = left.less(c.word(full)).select(left.part::<0, 2>(), c.word(full));
     label!(c: at_root, visits, child, level, leaves_instance, fetches_instance, fetches_node, is_opaque, skips_leaf);
-    label!(c: begins_leaf, fetches_leaf, left, count);
+    label!(c: inside, is_instance, begins_leaf, fetches_leaf, left, count);
     let address = leaf_continues.select(state.leaf_address, target.address);
     // A node with eight children may be visited once more.
     let keeps_address = if parameters.node == NodeKind::Wide8 { fetches_leaf | fetches_node } else { fetches_leaf };
@@ -357,15 +362,19 @@ pub fn finish<C: WordCircuit>(
     let is_invalid = visits & !target.is_node & !target.is_leaf & !is_instance & !target.is_missing;
     let errs = half.failed | is_invalid | is_over_limit;
     let is_done = errs | half.ends | (pops & is_empty);
+    label!(c: address, keeps_address, visits_node, is_over_limit, is_invalid, errs, instance_flags);
 
     let group = descends.select(half.rest, top.rest(c));
     let moves = descends | takes;
     let some_remain = group.present.0[0];
     let writes = moves & some_remain;
-    let changed = state.pending.with(Levels::only(parent, moves | drops), some_remain & !drops);
-    let moved = Levels::only(parent, moves);
+    let (changes, stays) = (moves | drops, some_remain & !drops);
+    let (changing, moved) = (Levels::only(parent, changes), Levels::only(parent, moves));
+    let changed = state.pending.with(changing, stays);
+    label!(c: moves, some_remain, writes, changes, stays, changing, moved);
 
     let lowest = lowest_kept(c, parent, parameters.stack);
+    label!(c: lowest);
     let base = (writes & state.base.less(lowest)).select(lowest, state.base);
     let next = RayState {
         level: visits.select(level, state.level),
@@ -387,10 +396,9 @@ pub fn finish<C: WordCircuit>(
         ..state
     };
     let asks = |kind: u32| request::CODES.word(c, kind);
-    let kind = is_done.select(
-        asks(request::DONE),
-        (drops | is_lost | skips_leaf | is_missing).select(asks(request::CONTINUE), asks(request::FETCH)),
-    );
+    let continues = drops | is_lost | skips_leaf | is_missing;
+    let next_kind = continues.select(asks(request::CONTINUE), asks(request::FETCH));
+    let kind = is_done.select(asks(request::DONE), next_kind);
     let kind =
         if parameters.features.has_candidates() { half.asks.select(asks(request::CANDIDATE), kind) } else { kind };
     let ends_as = |code: u32| status::CODES.word(c, code);
@@ -398,8 +406,9 @@ pub fn finish<C: WordCircuit>(
     let of_hit = of_box.select(ends_as(status::PROCEDURAL), ends_as(status::HIT));
     let found = state.has_hit.select(of_hit, ends_as(status::MISS));
     let of_scene = (is_invalid | half.cannot_enter).select(ends_as(status::SCENE), ends_as(status::LIMIT));
-    let of_memory = (half.failed & !half.cannot_enter).select(ends_as(status::MEMORY), of_scene);
-    let failure = half.is_refused.select(ends_as(status::REFUSED), of_memory);
+    let other_failure = (half.failed & !half.cannot_enter).select(ends_as(status::MEMORY), of_scene);
+    let failure = half.is_refused.select(ends_as(status::REFUSED), other_failure);
+    label!(c: next_kind, found, other_failure, failure);
     let request = Request {
         kind,
         address,
@@ -434,31 +443,35 @@ fn tested_block<C: WordCircuit>(
     has_block: Bit<C>,
     has_verdict: Bit<C>,
 ) -> TestedBlock<C> {
-    let (hit, features) = (answer.closest, parameters.features);
+    let (c, hit, features) = (has_block.circuit, answer.closest, parameters.features);
     let distance = hit.t.compare(state.extent);
     let mut is_lower = hit.primitive.less(state.primitive);
     if features.has_flags() {
         is_lower = hit.geometry.less(state.geometry) | (same(hit.geometry, state.geometry) & is_lower);
     }
     if features.instances {
+        label!(c: is_lower);
         let (index, of_hit) = (state.instance.index, state.hit_instance.index);
         is_lower = index.less(of_hit) | (same(index, of_hit) & is_lower);
     }
     // A hit at the ray's own end does not count.
     let wins_tie = state.has_hit & is_lower;
-    let is_closer = has_block & hit.is_hit & (distance.less() | (distance.equal() & wins_tie));
-    let c = has_block.circuit;
-    label!(c: is_lower, wins_tie, is_closer);
+    let (is_nearer, is_as_near) = (distance.less(), distance.equal());
+    let is_better = is_nearer | (is_as_near & wins_tie);
+    let is_closer = has_block & hit.is_hit & is_better;
+    label!(c: is_lower, wins_tie, is_nearer, is_as_near, is_better, is_closer);
     if !features.has_candidates() {
         return TestedBlock { commits: is_closer, asks: c.bit(false) };
     }
     let RayState { leaf_is_box: is_box, leaf_is_opaque, .. } = *state;
     let is_in_range = distance.less_or_equal() & hit.t.compare(state.t_min).greater_or_equal();
-    let accepts = has_verdict & answer.verdict_accepts & (!is_box | is_in_range);
-    TestedBlock {
-        commits: (is_closer & leaf_is_opaque & !is_box) | accepts,
-        asks: has_block & (is_box | (hit.is_hit & distance.less() & !leaf_is_opaque)),
-    }
+    let may_accept = !is_box | is_in_range;
+    let accepts = has_verdict & answer.verdict_accepts & may_accept;
+    let of_opaque = is_closer & leaf_is_opaque & !is_box;
+    let commits = of_opaque | accepts;
+    let asks = has_block & (is_box | (hit.is_hit & is_nearer & !leaf_is_opaque));
+    label!(c: is_in_range, may_accept, accepts, of_opaque, commits, asks);
+    TestedBlock { commits, asks }
 }
 
 /// Whether a face is a back face, from the order of its vertices.
@@ -542,9 +555,11 @@ fn child_of<C: WordCircuit>(
     Item { index, upper, continues }: Item<C>,
 ) -> Word<C, 32> {
     if node != NodeKind::Wide8 {
+        c.label(format_args!("number"), &index);
         return numbered(answer.child, index);
     }
     let number = Word::new(c, c.word_join((1, c.word_of_bit(upper.value)), (2, index.value)));
+    label!(c: index, upper, number);
     let once_more = wide8::continuation(c, state.leaf_address, answer.window);
     continues.select(once_more, wide8::child(c, answer.child, number))
 }
@@ -625,6 +640,7 @@ impl<C: WordCircuit> Target<C> {
             NodeKind::Wide4 | NodeKind::Wide8 => child.part::<0, 7>(),
             NodeKind::Quantised => child.part::<0, 6>().widened(),
         };
+        label!(c: kind);
         let is = |known: u32| KINDS.is(kind, known);
         let fits = level.less(c.word(LEVELS));
         let last = if features.has_flags() { 2 * MAX_LEAF } else { MAX_LEAF };
@@ -645,25 +661,20 @@ impl<C: WordCircuit> Target<C> {
             is_node = is_node | continues[0] | continues[1];
             window = kind.part::<6, 1>().is(1).select(kind.part::<0, 2>(), window);
         }
-        Self {
-            is_missing: child.is(0),
-            is_node: fits & is_node,
-            is_leaf: is_triangles | is_box,
-            is_instance,
-            is_opaque,
-            is_box,
-            address,
-            window,
-            count,
-        }
+        c.label(format_args!("is_node_kind"), &is_node);
+        let (is_missing, is_node, is_leaf) = (child.is(0), fits & is_node, is_triangles | is_box);
+        label!(c: fits, is_missing, is_instance, is_node, is_triangles, opaque_box, is_box, is_leaf);
+        Self { is_missing, is_node, is_leaf, is_instance, is_opaque, is_box, address, window, count }
     }
 }
 
 /// The place, 0 to 3, of the child through which the path descends at a level.
 #[inline(always)]
 fn place_of<C: WordCircuit>(c: C, state: &RayState<C>, level: Word<C, 7>) -> Word<C, 2> {
-    let bit = |levels: Levels<C>| c.word_of_bit(levels.has(level).value);
-    Word::new(c, c.word_join((1, bit(state.place_high)), (1, bit(state.place_low))))
+    let (place_1, place_0) = (state.place_high.has(level), state.place_low.has(level));
+    let place = Word::new(c, c.word_join((1, c.word_of_bit(place_1.value)), (1, c.word_of_bit(place_0.value))));
+    label!(c: place_1, place_0, place);
+    place
 }
 
 /// The lowest level that a stack still has when it gets the entry of `level`.

@@ -34,6 +34,8 @@ pub trait WordCircuit: Circuit {
     fn word_not(self, width: u32, a: Self::Word) -> Self::Word;
     /// The index, of 5 bits, of the highest set bit of a word of 32 bits; 0 if none is set.
     fn word_highest(self, a: Self::Word) -> Self::Word;
+    /// Whether a number is neither infinite nor NaN.
+    fn is_finite(self, a: Self::Num) -> Self::Bit;
 }
 
 impl WordCircuit for Binary32 {
@@ -80,6 +82,10 @@ impl WordCircuit for Binary32 {
     #[inline(always)]
     fn word_highest(self, a: u32) -> u32 {
         a.checked_ilog2().unwrap_or(0)
+    }
+    #[inline(always)]
+    fn is_finite(self, a: Single) -> bool {
+        a.0.is_finite()
     }
 }
 
@@ -165,9 +171,10 @@ impl<C: WordCircuit> Levels<C> {
     #[inline(always)]
     pub fn only(level: Word<C, 7>, present: Bit<C>) -> Self {
         let c = level.circuit;
-        let one = Word::new(c, c.word_one_hot(level.part::<0, 5>().value));
+        let bit_of_level = Word::<C, 32>::new(c, c.word_one_hot(level.part::<0, 5>().value));
+        label!(c: bit_of_level);
         let is_high = level.part::<5, 1>().is(1);
-        let of = |is_here: Bit<C>| (present & is_here).select(one, c.word(0));
+        let of = |is_here: Bit<C>| (present & is_here).select(bit_of_level, c.word(0));
         Self { low: of(!is_high), high: of(is_high) }
     }
 
@@ -188,6 +195,7 @@ impl<C: WordCircuit> Levels<C> {
     pub fn below(self, level: Word<C, 7>) -> Self {
         let c = self.low.circuit;
         let lower = Word::<C, 32>::new(c, c.word_one_hot(level.part::<0, 5>().value)).plus_constant(u32::MAX);
+        c.label(format_args!("lower_levels"), &lower);
         let masked = |word: Word<C, 32>| Word::new(c, c.word_and(32, word.value, lower.value));
         let is_high = level.part::<5, 1>().is(1);
         Self { low: is_high.select(self.low, masked(self.low)), high: is_high.select(masked(self.high), c.word(0)) }
@@ -201,6 +209,7 @@ impl<C: WordCircuit> Levels<C> {
         let in_low = self.high.is(0);
         let index = in_low.select(highest(self.low), highest(self.high));
         let half = c.word_of_bit((!in_low).value);
+        label!(c: in_low, index);
         Word::<C, 6>::new(c, c.word_join((1, half), (5, index.value))).widened()
     }
 }

@@ -291,57 +291,38 @@ fn verilator_equals_the_model(step: StepParameters) {
 /// A module with the ports of the unit around the wrapper with structures: for the test bench, and as text, which has the
 /// field of each port.
 fn flattened(top: &Module) -> (Arc<Module>, String) {
-    const STRUCTURES: [(&str, &str); 6] = [
-        ("ray", "ray_i"),
-        ("hit", "hit_o"),
-        ("candidate", "cand_o"),
-        ("answer", "answer_i"),
-        ("mem_req", "mem_req_o"),
-        ("mem_rsp", "mem_rsp_i"),
-    ];
+    let structures =
+        "ray_t ray_i,hit_t hit_o,candidate_t cand_o,answer_t answer_i,mem_req_t mem_req_o,mem_rsp_t mem_rsp_i";
     let field = |port: &str| {
-        let of = |(_, whole): &(&'static str, &'static str)| {
-            Some((*whole, port.strip_prefix(whole.strip_suffix(['i', 'o'])?)?))
-        };
-        let (whole, field) = STRUCTURES.iter().find_map(of)?;
-        let field = field.trim_end_matches("_i").trim_end_matches("_o");
-        match field.split_once('_') {
-            _ if ["valid", "ready"].contains(&field) => None,
+        let of = |whole: &'static str| Some((whole, port.strip_prefix(&whole[..whole.len() - 1])?));
+        let (whole, field) = structures.split([',', ' ']).skip(1).step_by(2).find_map(of)?;
+        let field = &field[..field.len() - 2];
+        Some(match field.split_once('_') {
+            _ if ["valid", "ready"].contains(&field) => return None,
             _ if ["primitive", "instance", "end"].contains(&field) => {
-                Some(format!("{whole}.{}_{field}", &whole[..whole.len() - 2]))
+                format!("{whole}.{}{field}", &whole[..whole.len() - 1])
             }
-            Some((vector @ ("origin" | "dir"), axis)) => Some(format!("{whole}.{vector}.{axis}")),
-            Some(("data", word)) => Some(format!("{whole}.data[32 * {word} +: 32]")),
-            _ => Some(format!("{whole}.{field}")),
-        }
+            Some((vector @ ("origin" | "dir"), axis)) => format!("{whole}.{vector}.{axis}"),
+            Some(("data", word)) => format!("{whole}.data[32 * {word} +: 32]"),
+            _ => format!("{whole}.{field}"),
+        })
     };
     let m = Builder::new("flat");
     let clocked = m.register("clocked_q", 1).reset_to(0);
     clocked.next(clocked.wire());
-    let (mut ports, mut wires) =
-        (vec!["input logic clk_i".to_string(), "input logic rst_ni".to_string()], String::new());
-    for (kind, name) in STRUCTURES {
-        wires += &format!("  raypath_unit_wrapper_pkg::{kind}_t {name};\n");
+    let mut ports = "input logic clk_i, input logic rst_ni".to_string();
+    let declare = |structure| format!("raypath_unit_wrapper_pkg::{structure};\n");
+    let mut wires: String = structures.split(',').map(declare).collect();
+    for (name, width) in top.inputs().iter().map(|port| (&port.name, top.signal(port.signal).width)) {
+        ports += &format!(", input logic [{}:0] {name}", width - 1);
+        m.unused(&format!("unused_{name}"), &[m.input(name, width)]);
+        wires.extend(field(name).map(|field| format!("assign {field} = {name};\n")));
     }
-    for (is_input, port) in
-        top.inputs().iter().map(|port| (true, port)).chain(top.outputs().iter().map(|port| (false, port)))
-    {
-        let (name, width) = (&port.name, top.signal(port.signal).width);
-        ports.push(format!("{} logic [{}:0] {name}", if is_input { "input" } else { "output" }, width - 1));
-        if is_input {
-            m.unused(&format!("unused_{name}"), &[m.input(name, width)]);
-        } else {
-            m.output(name, m.constant(width, 0));
-        }
-        if let Some(field) = field(name) {
-            wires += &if is_input {
-                format!("  assign {field} = {name};\n")
-            } else {
-                format!("  assign {name} = {field};\n")
-            };
-        }
+    for (name, width) in top.outputs().iter().map(|port| (&port.name, top.signal(port.signal).width)) {
+        ports += &format!(", output logic [{}:0] {name}", width - 1);
+        m.output(name, m.constant(width, 0));
+        wires.extend(field(name).map(|field| format!("assign {name} = {field};\n")));
     }
-    let text =
-        format!("module flat ({});\n{wires}  raypath_unit_wrapper u_wrapper (.*);\nendmodule\n", ports.join(", "));
+    let text = format!("module flat ({ports});\n{wires}raypath_unit_wrapper u_wrapper (.*);\nendmodule\n");
     (m.finish().expect("a module"), text)
 }

@@ -56,9 +56,10 @@ impl<'m> Wire<'m> {
     }
 
     /// Says what the value is: its name in the text, where an expression without a name needs one.
-    pub fn hint(self, name: &str) {
-        let mut state = self.builder.state.borrow_mut();
-        state.module.signals[self.id.index()].hint.get_or_insert_with(|| name.to_string());
+    pub fn hint(self, name: &str) -> Self {
+        let signals = &mut self.builder.state.borrow_mut().module.signals;
+        signals[self.id.index()].hint.get_or_insert_with(|| name.to_string());
+        self
     }
 
     /// Adds a remark, which the text has beside the signal.

@@ -227,7 +227,7 @@ impl<'m> Plan<'m> {
                 Rendering::Inline(expression)
             } else {
                 assigned.push((owner.section, owner.entry, id));
-                Rendering::Name(match owner.role.as_ref().or(self.module.signal(id).hint.as_ref()) {
+                Rendering::Name(match self.module.signal(id).hint.as_ref().or(owner.role.as_ref()) {
                     Some(name) => fresh(names, name),
                     None => numbered(names, &owner.whole),
                 })
@@ -299,7 +299,10 @@ impl<'m> Plan<'m> {
             }
             Reader::Unused(name) => (name.to_string(), None),
             Reader::Bank(name, port) => (name.to_string(), Some(stem(port, "_i").to_string())),
-            Reader::Output(port) => (self.module.outputs()[port].name.clone(), None),
+            Reader::Output(port) => {
+                let name = &self.module.outputs()[port].name;
+                (name.clone(), Some(stem(name, "_o").to_string()))
+            }
         }
     }
 }

@@ -27,7 +27,7 @@
 
 use super::quantised::{self, Contained};
 use super::{KINDS, MAX_LEAF, NODE_KIND, NodeKind, word};
-use crate::words::{WordCircuit, WordMethods};
+use crate::words::{WordCircuit, WordMethods, label};
 use raypath_ops::{Aabb, Binary32, Bit, Flags, Num, SortEntry, Word, array_of, bundle};
 use std::ops::RangeInclusive;
 use thiserror::Error;
@@ -151,27 +151,36 @@ pub fn child<C: WordCircuit>(c: C, words: [Word<C, 32>; 4], number: Word<C, 3>) 
     let all = [a, b, d, e, f, g, h, i];
     let [one, two, four] = [number.part::<0, 1>(), number.part::<1, 1>(), number.part::<2, 1>()].map(|bit| bit.is(1));
     let pairs: [Word<C, 8>; 4] = array_of!(i => one.select(all[2 * i + 1], all[2 * i]));
-    let byte = four.select(two.select(pairs[3], pairs[2]), two.select(pairs[1], pairs[0]));
+    let quads = [two.select(pairs[1], pairs[0]), two.select(pairs[3], pairs[2])];
+    let kind_byte = four.select(quads[1], quads[0]);
     let is_node = |byte: Word<C, 8>| byte.part::<5, 3>().is(1) & byte.part::<3, 2>().is(3);
-    let own = is_node(byte);
+    let own = is_node(kind_byte);
+    c.label(format_args!("child_is_node"), &own);
     // Those before it that are nodes as it is, or others as it is.
     let mut rank: Word<C, 3> = c.word(0);
     for (place, other) in all[..7].iter().enumerate() {
         let is_alike = own.select(is_node(*other), !other.is(0) & !is_node(*other));
         let counts = c.word::<3>(place as u32).less(number) & is_alike;
         rank = rank.plus(Word::<C, 1>::new(c, c.word_of_bit(counts.value)).widened());
+        label!(c: is_alike, counts, rank);
     }
     let base = own.select(nodes, others);
-    let (upper, kind): (_, Word<C, 7>) = (byte.part::<5, 3>(), byte.part::<0, 5>().widened());
+    let (upper, kind_bits): (_, Word<C, 7>) = (kind_byte.part::<5, 3>(), kind_byte.part::<0, 5>().widened());
+    label!(c: pairs, quads, kind_byte, base, kind_bits);
     let of_other: Word<C, 7> = upper.is(4).select(
-        Word::new(c, c.word_or(7, kind.value, c.constant_word(7, 32))),
-        upper.is(2).select(kind, KINDS.word(c, INVALID)),
+        Word::new(c, c.word_or(7, kind_bits.value, c.constant_word(7, 32))),
+        upper.is(2).select(kind_bits, KINDS.word(c, INVALID)),
     );
     let of_leaf = upper.is(7).select(c.word(3), upper.is(3).select(c.word(2), c.word(1)));
-    let is_leaf = byte.part::<5, 1>().is(1) & (!byte.part::<6, 1>().is(0) | byte.part::<7, 1>().is(0));
-    let kind = own.select(KINDS.word(c, NODE_KIND), is_leaf.select(of_leaf, of_other));
+    let is_leaf = kind_byte.part::<5, 1>().is(1) & (!kind_byte.part::<6, 1>().is(0) | kind_byte.part::<7, 1>().is(0));
+    let without_node = is_leaf.select(of_leaf, of_other);
+    let kind = own.select(KINDS.word(c, NODE_KIND), without_node);
     let kind = base.part::<25, 7>().is(0).select(kind, KINDS.word(c, INVALID));
-    joined(base.part::<0, 25>().plus(rank.widened()), kind)
+    label!(c: is_leaf, of_leaf, of_other, without_node, kind);
+    let block = base.part::<0, 25>().plus(rank.widened());
+    let child = joined(block, kind);
+    label!(c: block, child);
+    child
 }
 
 /// The child words of a node in native arithmetic, by the number of the child: as [`child`], for one block.
@@ -255,13 +264,16 @@ pub fn window<C: WordCircuit>(c: C, halves: [Half<C>; 2], window: Word<C, 2>) ->
         let Half { hit, tmin, box_index } = halves[half];
         let upper = (1, c.constant_word(1, half as u32));
         let index = Word::new(c, c.word_join(upper, (2, box_index[i].value)));
+        label!(c: index);
         Tested { hit: hit.0[i], tmin: tmin[i], index }
     };
     let mut all: [Tested<C>; CHILDREN] = array_of!(i => of(i / 4, i % 4));
     for (a, b) in MERGE {
         let (first, second) = (all[a], all[b]);
         let swaps = is_after(first, second);
-        (all[a], all[b]) = (swaps.select(second, first), swaps.select(first, second));
+        let (near, far) = (swaps.select(second, first), swaps.select(first, second));
+        label!(c: swaps, near, far);
+        (all[a], all[b]) = (near, far);
     }
     let none = Tested { hit: c.bit(false), ..all[7] };
     let (is_second, is_third) = (window.is(1), window.is(2));
@@ -270,6 +282,7 @@ pub fn window<C: WordCircuit>(c: C, halves: [Half<C>; 2], window: Word<C, 2>) ->
         is_third.select(after(i + 6), is_second.select(after(i + 3), all[i]))
     };
     let places: [Tested<C>; 4] = array_of!(i => at(i));
+    label!(c: is_second, is_third, places);
     Window {
         hit: Flags(places.map(|place| place.hit)),
         tmin: [places[1].tmin, places[2].tmin, places[3].tmin],

@@ -81,7 +81,8 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
                 let child = bound / BOX_WORDS;
                 let of = |child: usize| (byte(&words, wide8::bound_byte(axis, is_max.into(), child)), exists[child]);
                 let (lower, upper) = (of(child), of(child + 4));
-                let (q, exists) = (is_upper.mux(upper.0, lower.0), is_upper.mux(upper.1, lower.1));
+                let q = is_upper.mux(upper.0, lower.0).hint("quantised_bound");
+                let exists = is_upper.mux(upper.1, lower.1).hint("child_exists");
                 held(advance, &format!("addend_{bound}"), product(q, exponent[axis], exists, is_max))
             };
             ((0..BOUNDS).map(addend).collect(), passed)
@@ -168,9 +169,10 @@ fn byte<'m>(words: &[Wire<'m>], place: usize) -> Wire<'m> {
 /// into those of infinity, and those of 0 stay so.
 fn product<'m>(q: Wire<'m>, exponent: Wire<'m>, exists: Wire<'m>, is_max: bool) -> Wire<'m> {
     let m = q.builder();
-    let highest = (1..8).fold(m.constant(3, 0), |lower, bit| q.bit(bit).mux(m.constant(3, bit.into()), lower));
+    let highest = (1..8)
+        .fold(m.constant(3, 0), |lower, bit| q.bit(bit).mux(m.constant(3, bit.into()), lower).hint("highest_bit"));
     let scaled = exponent + m.concat(&[m.constant(EXPONENT - 3, 0), highest]);
-    let exponent = q.any().mux(scaled, m.constant(EXPONENT, 0));
+    let exponent = q.any().mux(scaled, m.constant(EXPONENT, 0)).hint("scaled_exponent");
     let fraction = q.lower(7).shift_left(!highest);
     number_or_missing(exponent, m.concat(&[fraction, m.constant(FRACTION - 7, 0)]), exists, is_max)
 }
@@ -179,7 +181,8 @@ fn product<'m>(q: Wire<'m>, exponent: Wire<'m>, exists: Wire<'m>, is_max: bool) 
 fn number_or_missing<'m>(exponent: Wire<'m>, fraction: Wire<'m>, exists: Wire<'m>, is_max: bool) -> Wire<'m> {
     let m = exponent.builder();
     let sign = if is_max { !exists } else { m.constant(1, 0) };
-    m.concat(&[sign, exists.mux(exponent, m.constant(EXPONENT, INFINITY)), fraction])
+    let exponent = exists.mux(exponent, m.constant(EXPONENT, INFINITY)).hint("exponent_or_infinity");
+    m.concat(&[sign, exponent, fraction])
 }
 
 /// The bits of a recoded number's fraction and exponent, and the exponent of infinity.

@@ -66,7 +66,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
 
     m.section("The closest hit of its block so far");
     let place = tag_q.bits(2 + place_bits, 3);
-    let index = select(place, &indices);
+    let index = select(place, &indices).hint("index");
     let rest = [("is_hit", tag_q.bit(1)), ("t", t), ("is_clockwise", tag_q.bit(0)), ("primitive", index)];
     let rest = rest.into_iter().chain(geometry.map(|geometry| ("geometry", geometry)));
     let known: Named<'_> = rest.map(|(name, wire)| named(name, wire)).chain(fraction).collect();

@@ -1,13 +1,15 @@
 //! The hits of rays that have ended.
 
 use super::connect::{Access, Inputs, Named, hold, keep, named};
-use super::package::{code, refer_to_package};
+use super::package::refer_to_package;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::weights::weights;
+use crate::netlist::{Netlist, Value};
 use crate::state::status;
 use crate::step::StepParameters;
 use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_ops::Word;
 use std::sync::Arc;
 
 /// The values of a hit, by the field of the ray's state, and whether each is 0 for rays without a hit.
@@ -47,7 +49,8 @@ pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let context = m.input("context_i", width);
     let status_word = m.input("status_i", 3);
     let ready = m.input("ready_i", 1);
-    let is = |known: u32| status_word.equals(code(m, &status::CODES, 3, known));
+    let status = Word::<_, 3>::new(Netlist(m), Value(status_word));
+    let is = |known: u32| status::CODES.is(status, known).value.0;
     let is_hit = if features.has_candidates() { is(status::HIT) | is(status::PROCEDURAL) } else { is(status::HIT) };
     let is_hit = is_hit.named("is_hit");
     let value = |(name, field, width, is_of_hit): (&str, &str, u32, bool)| {

@@ -5,24 +5,24 @@ use crate::codes::Codes;
 use crate::query::{instance_flags, ray_flags};
 use crate::state::{answer, request, status};
 use crate::step::UnitFeatures;
+use raypath_hdl::Builder;
 use raypath_hdl::text::{Enumeration, Package};
-use raypath_hdl::{Builder, Label, Wire};
 use std::sync::Arc;
 
 /// The types, and the codes of each.
-const TYPES: [(&str, &Codes); 6] = [
-    ("status_e", &status::CODES),
-    ("ray_flag_e", &ray_flags::CODES),
-    ("child_kind_e", &KINDS),
-    ("instance_flag_e", &instance_flags::CODES),
-    ("answer_e", &answer::CODES),
-    ("request_e", &request::CODES),
+const TYPES: [(&str, Codes); 6] = [
+    ("status_e", status::CODES),
+    ("ray_flag_e", ray_flags::CODES),
+    ("child_kind_e", KINDS),
+    ("instance_flag_e", instance_flags::CODES),
+    ("answer_e", answer::CODES),
+    ("request_e", request::CODES),
 ];
 
 /// Lets the text of a module refer to the package. Linters report a type that no module of the unit uses.
 pub fn refer_to_package(m: &Builder, features: UnitFeatures) {
-    let enumeration = |(name, codes): (&str, &Codes)| {
-        let labels: Vec<Label> = codes.labels().map(|(name, value)| Label { name, value: value.into() }).collect();
+    let enumeration = |(name, codes): (&str, Codes)| {
+        let labels: Vec<_> = codes.labels().collect();
         let greatest = labels.iter().map(|label| label.value).max().unwrap_or(1);
         Enumeration { name: name.to_string(), doc: Some(codes.doc.to_string()), width: greatest.ilog2() + 1, labels }
     };
@@ -34,11 +34,4 @@ pub fn refer_to_package(m: &Builder, features: UnitFeatures) {
         enumerations: types.map(enumeration).collect(),
         structures: Vec::new(),
     }));
-}
-
-/// A code as a constant.
-pub fn code<'m>(m: &'m Builder, codes: &Codes, width: u32, value: u32) -> Wire<'m> {
-    let wire = m.constant(width, value.into());
-    wire.hint(&codes.name(value).to_string());
-    wire
 }

@@ -23,6 +23,9 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let entry: Entry<Netlist<'_>> = inputs(m, "entry");
     let is_meaningless = m.input("is_meaningless_i", 1);
     let context = m.input("context_i", bits(contexts));
+    // Of the origin, the exponents alone decide: it has to be finite.
+    let unread = wires("", &entry.origin).into_iter().flat_map(|(_, wire)| [wire.top(), wire.lower(23)]);
+    m.unused("unused_origin", &unread.collect::<Vec<_>>());
 
     m.section("The ray whose operands enter the divider, and the number of the next quotient");
     let busy = m.register("busy_q", 1).reset_to(0);
@@ -35,7 +38,7 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let components = wires("dir", &entry.dir);
     let held: Vec<_> = components.iter().map(|(name, wire)| hold(&format!("{name}_q"), enters, *wire)).collect();
     let dir: Vec3<Netlist<'_>> = from_list(m, &held);
-    let refused = hold("is_refused_q", enters, is_meaningless | is_refused(c, &entry).value.0);
+    let refused = hold("is_refused_q", enters, is_meaningless | is_refused(c, &entry).value.0.hint("entry_is_refused"));
     let context = hold("context_q", enters, context);
 
     m.section("The axes, which the last two quotients need, in a register because they are slow");

@@ -18,7 +18,6 @@ use crate::error::UnitError;
 use crate::instance::{TRANSFORM_OPCODE, Transform};
 use crate::netlist::wires;
 use crate::step::{StepParameters, UnitFeatures};
-use raypath_hdl::text::Enumeration;
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
 use raypath_ops::{Culling, EdgeRule, JobKind};
@@ -298,17 +297,14 @@ impl<'m> Top<'m> {
 
     fn datapath(&self, datapath: &Arc<Module>, jobs: &Jobs<'m>) -> Outcome<'m> {
         let m = self.m;
-        let package = datapath.text().package.iter().inspect(|package| m.package(package));
-        let opcodes: Vec<&Enumeration> = package.flat_map(|package| &package.enumerations).collect();
-        let opcode = |opcode: u64| {
-            let wire = m.constant(datapath.port_width("opcode_i").unwrap_or(1), opcode);
-            let labels = opcodes.iter().flat_map(|opcodes| &opcodes.labels);
-            labels.filter(|label| label.value == opcode).for_each(|label| wire.hint(&label.name));
-            wire
-        };
-        let [boxes, triangle] = [JobKind::Quadbox, JobKind::Triangle].map(|kind| opcode(kind.opcode()));
+        datapath.text().package.iter().for_each(|package| m.package(package));
+        let width = datapath.port_width("opcode_i").unwrap_or(1);
+        let opcode = |opcode: u64, name: &str| m.constant(width, opcode).hint(name);
+        let boxes = opcode(JobKind::Quadbox.opcode(), "OpQuadbox");
+        let triangle = opcode(JobKind::Triangle.opcode(), "OpTriangle");
+        let transform = opcode(TRANSFORM_OPCODE, "OpTransform");
         let is_instance = jobs.fetched.get(2).map(|(_, is_instance)| *is_instance);
-        let other = is_instance.map_or(triangle, |is_instance| is_instance.mux(opcode(TRANSFORM_OPCODE), triangle));
+        let other = is_instance.map_or(triangle, |is_instance| is_instance.mux(transform, triangle));
         let (offer, is_node) = match &jobs.decoder {
             None => (jobs.issue.port("offer"), jobs.issue.port("is_node")),
             Some(decoder) => (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node")),
@@ -326,8 +322,7 @@ impl<'m> Top<'m> {
         let is_boxes = ports.port("opcode").equals(boxes).named("is_boxes");
         let tag = ports.port("tag");
         let context = tag.upper(self.width).named("outcome_context");
-        let is_transform =
-            is_instance.map(|_| ports.port("opcode").equals(opcode(TRANSFORM_OPCODE)).named("is_transform"));
+        let is_transform = is_instance.map(|_| ports.port("opcode").equals(transform).named("is_transform"));
         Outcome { ports, is_boxes, is_transform, tag, context, ready }
     }
 

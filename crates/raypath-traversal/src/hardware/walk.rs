@@ -8,7 +8,7 @@
 use super::candidates::is_of_candidate;
 use super::connect::{Access, Inputs, Named, Outputs, delay, hold, keep, named, prefixed};
 use super::hits::is_shown;
-use super::package::{code, refer_to_package};
+use super::package::refer_to_package;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::scheduler::{scheduler, sources};
@@ -106,16 +106,17 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     verdict_taken.iter().for_each(|forward| forward.drive(taken("verdict")));
     let read = grant.any().named("read");
     let read_context = granted(grant, offered.iter().map(|(_, context)| *context)).named("read_context");
-    let constant = |kind: u32| code(m, &answer::CODES, 4, kind);
+    let constant = |kind: u32| answer::CODES.word::<_, 4>(Netlist(m), kind).value.0;
     let either = |refused: u32, ready: u32| is_refused.mux(constant(refused), constant(ready));
     let start_kind = either(answer::REFUSED, answer::START);
-    let start_kind =
-        is_instance.map_or(start_kind, |is| is.mux(either(answer::CANNOT_ENTER, answer::ENTER), start_kind));
+    let start_kind = is_instance
+        .map_or(start_kind, |is| is.mux(either(answer::CANNOT_ENTER, answer::ENTER), start_kind))
+        .hint("start_kind");
     let kinds = [answer::BOXES, answer::BLOCK, answer::ERROR].map(constant).into_iter();
     let kinds =
         kinds.chain([start_kind, constant(answer::CONTINUE)]).chain(verdicts.iter().map(|_| constant(answer::VERDICT)));
     let of_source = (0..).zip(kinds).map(|(bit, kind)| grant.bit(bit).mux(kind, m.constant(4, 0)));
-    let kind = of_source.reduce(|a, b| a | b).unwrap_or(grant);
+    let kind = of_source.reduce(|a, b| (a | b).hint("granted_kind")).unwrap_or(grant);
     let prepares = m.register("prepares_q", 1).reset_to(0);
     prepares.next(read);
     let prepared_context = delay("prepared_context_q", read_context);
@@ -203,7 +204,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     );
     let kind = done.port("request_kind");
     let goes_on = (finishes.wire() & !flush).named("goes_on");
-    let asks = |asked: u32| goes_on & kind.equals(code(m, &request::CODES, 2, asked));
+    let asks = |asked: u32| goes_on & kind.equals(request::CODES.word::<_, 2>(c, asked).value.0);
     again_asked.drive(asks(request::CONTINUE));
 
     for source in ["block", "fault", "start"] {
@@ -281,7 +282,7 @@ fn queued<'m>(queue: &Outputs<'m>) -> (Wire<'m>, Wire<'m>) {
 /// The value of the source that is granted.
 fn granted<'m>(grant: Wire<'m>, values: impl Iterator<Item = Wire<'m>>) -> Wire<'m> {
     let gated = (0..).zip(values).map(|(bit, wire)| wire & grant.bit(bit).replicate(wire.width()));
-    gated.reduce(|a, b| a | b).unwrap_or(grant)
+    gated.reduce(|a, b| (a | b).hint("granted_context")).unwrap_or(grant)
 }
 
 fn delay_all(words: Named<'_>) -> Named<'_> {

@@ -126,54 +126,49 @@ module raypath_unit_distance (
   end
 
   // ---- The closest hit of its block so far ----------------------------------
-  logic [31:0] closest_t_t1;
+  logic [31:0] index;
   logic        closest_is_hit_q;
   logic [31:0] closest_t_q;
   logic [31:0] closest_t_num_q;
   logic [31:0] closest_t_denom_q;
   logic        closest_is_clockwise_q;
   logic [31:0] closest_primitive_q;
-  logic        closest_is_hit_t1;
-  logic        closest_is_hit_t2;
-  logic        closest_is_hit_t3;
-  logic        closest_is_hit_t4;
-  logic        counts;
+  logic        is_first;
+  logic        equal;
+  logic        below;
+  logic        passes;
   logic        has_before;
-  logic        closest_t_t2;
-  logic        closest_t_t3;
-  logic        closest_t_t4;
-  logic        is_better;
-  logic        closest_t_t5;
+  logic        unordered;
+  logic        equal_2;
+  logic        less;
+  logic        is_taken;
   logic [5:0]  context_q;
 
-  assign closest_t_t1      = tag_q[4] ? index_2_i : (tag_q[3] ? index_1_i : index_0_i);
-  assign closest_is_hit_t1 = tag_q[4:3] == 2'd0;
-  assign closest_is_hit_t2 = (t_q == limits_t_min_i) | ((t_q[30:0] == 31'd0) & (limits_t_min_i[30:0]
-      == 31'd0));
-  assign closest_is_hit_t3 = (t_q[31] ^ limits_t_min_i[31]) ? t_q[31] : (t_q[31] ?
-      limits_t_min_i[30:0] < t_q[30:0] : t_q[30:0] < limits_t_min_i[30:0]);
-  assign closest_is_hit_t4 = ~((31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < limits_t_min_i[30:0]))
-      & ~closest_is_hit_t2 & ~(closest_is_hit_t3 & ~closest_is_hit_t2);
-  assign counts            = tag_q[1] & ~(tag_q[0] ? limits_culls_clockwise_i :
-      limits_culls_counter_clockwise_i) & closest_is_hit_t4;
-  assign has_before        = ~closest_is_hit_t1 & closest_is_hit_q;
-  assign closest_t_t2      = (31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < closest_t_q[30:0]);
-  assign closest_t_t3      = (t_q == closest_t_q) | ((t_q[30:0] == 31'd0) & (closest_t_q[30:0] ==
+  assign index      = tag_q[4] ? index_2_i : (tag_q[3] ? index_1_i : index_0_i);
+  assign is_first   = tag_q[4:3] == 2'd0;
+  assign equal      = (t_q == limits_t_min_i) | ((t_q[30:0] == 31'd0) & (limits_t_min_i[30:0] ==
       31'd0));
-  assign closest_t_t4      = ((t_q[31] ^ closest_t_q[31]) ? t_q[31] : (t_q[31] ? closest_t_q[30:0] <
-      t_q[30:0] : t_q[30:0] < closest_t_q[30:0])) & ~closest_t_t3;
-  assign is_better         = counts & (~has_before | (~closest_t_t2 & closest_t_t4) | (~closest_t_t2
-      & closest_t_t3 & (closest_t_t1 < closest_primitive_q)));
-  assign closest_t_t5      = is_better | closest_is_hit_t1;
+  assign below      = (t_q[31] ^ limits_t_min_i[31]) ? t_q[31] : (t_q[31] ? limits_t_min_i[30:0] <
+      t_q[30:0] : t_q[30:0] < limits_t_min_i[30:0]);
+  assign passes     = tag_q[1] & ~(tag_q[0] ? limits_culls_clockwise_i :
+      limits_culls_counter_clockwise_i) & ~((31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 <
+      limits_t_min_i[30:0])) & ~equal & ~(below & ~equal);
+  assign has_before = ~is_first & closest_is_hit_q;
+  assign unordered  = (31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < closest_t_q[30:0]);
+  assign equal_2    = (t_q == closest_t_q) | ((t_q[30:0] == 31'd0) & (closest_t_q[30:0] == 31'd0));
+  assign less       = ((t_q[31] ^ closest_t_q[31]) ? t_q[31] : (t_q[31] ? closest_t_q[30:0] <
+      t_q[30:0] : t_q[30:0] < closest_t_q[30:0])) & ~equal_2;
+  assign is_taken   = (passes & (~has_before | (~unordered & less) | (~unordered & equal_2 & (index
+      < closest_primitive_q)))) | is_first;
 
   always_ff @(posedge clk_i) begin
     if (folds) begin
-      closest_is_hit_q       <= counts | has_before;
-      closest_t_q            <= closest_t_t5 ? t_q : closest_t_q;
-      closest_t_num_q        <= closest_t_t5 ? fractions_t_num : closest_t_num_q;
-      closest_t_denom_q      <= closest_t_t5 ? fractions_t_denom : closest_t_denom_q;
-      closest_is_clockwise_q <= closest_t_t5 ? tag_q[0] : closest_is_clockwise_q;
-      closest_primitive_q    <= closest_t_t5 ? closest_t_t1 : closest_primitive_q;
+      closest_is_hit_q       <= passes | has_before;
+      closest_t_q            <= is_taken ? t_q : closest_t_q;
+      closest_t_num_q        <= is_taken ? fractions_t_num : closest_t_num_q;
+      closest_t_denom_q      <= is_taken ? fractions_t_denom : closest_t_denom_q;
+      closest_is_clockwise_q <= is_taken ? tag_q[0] : closest_is_clockwise_q;
+      closest_primitive_q    <= is_taken ? index : closest_primitive_q;
       context_q              <= tag_q[10:5];
     end
   end

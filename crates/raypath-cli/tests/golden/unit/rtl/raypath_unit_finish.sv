@@ -97,9 +97,9 @@ module raypath_unit_finish (
   output logic [2:0]  request_status_o
 );
 
-  logic        next_nodes_t1;
-  logic        next_nodes_t2;
-  logic        next_nodes_t3;
+  logic        unordered;
+  logic        equal;
+  logic        below;
   logic        is_near;
   logic        is_read;
   logic        takes;
@@ -109,31 +109,30 @@ module raypath_unit_finish (
   logic        visits;
   logic [31:0] child;
   logic [6:0]  level;
-  logic        next_triangles_t1;
-  logic        request_kind_t1;
-  logic        next_nodes_t4;
+  logic        is_triangles;
+  logic        is_missing;
+  logic        is_node;
   logic        fetches_node;
   logic        fetches_leaf;
   logic [3:0]  left;
   logic [1:0]  count;
-  logic [31:0] next_leaf_address_t1;
-  logic        request_kind_t2;
-  logic        request_kind_t3;
-  logic        next_pending_low_t1;
-  logic        next_pending_low_t2;
-  logic        next_base_t1;
-  logic        next_pending_low_t3;
-  logic [31:0] next_pending_low_t4;
-  logic [31:0] next_pending_low_t5;
-  logic [31:0] next_pending_high_t1;
-  logic        next_pending_low_t6;
-  logic [31:0] next_place_low_low_t1;
-  logic [31:0] next_place_low_low_t2;
-  logic [31:0] next_place_low_high_t1;
-  logic [6:0]  next_base_t2;
-  logic [31:0] next_pending_low_t7;
-  logic [1:0]  request_kind_t4;
-  logic [2:0]  request_status_t1;
+  logic [31:0] address;
+  logic        is_invalid;
+  logic        errs;
+  logic        some_remain;
+  logic        moves;
+  logic        writes;
+  logic        changes;
+  logic        stays;
+  logic [31:0] bit_of_level;
+  logic [31:0] changing_low;
+  logic [31:0] changing_high;
+  logic [31:0] bit_of_level_2;
+  logic [31:0] moved_low;
+  logic [31:0] moved_high;
+  logic [6:0]  lowest;
+  logic [31:0] lower_levels;
+  logic [2:0]  other_failure;
 
   assign next_any_hit_o          = half_state_any_hit_i;
   assign next_root_o             = half_state_root_i;
@@ -143,15 +142,15 @@ module raypath_unit_finish (
   assign next_t_denom_o          = half_state_t_denom_i;
   assign next_back_face_o        = half_state_back_face_i;
   assign next_primitive_o        = half_state_primitive_i;
-  assign next_nodes_t1           = (31'h7f80_0000 < top_tmin_0_i[30:0]) | (31'h7f80_0000 <
+  assign unordered               = (31'h7f80_0000 < top_tmin_0_i[30:0]) | (31'h7f80_0000 <
       half_state_extent_i[30:0]);
-  assign next_nodes_t2           = (top_tmin_0_i == half_state_extent_i) | ((top_tmin_0_i[30:0] ==
+  assign equal                   = (top_tmin_0_i == half_state_extent_i) | ((top_tmin_0_i[30:0] ==
       31'd0) & (half_state_extent_i[30:0] == 31'd0));
-  assign next_nodes_t3           = (top_tmin_0_i[31] ^ half_state_extent_i[31]) ? top_tmin_0_i[31] :
+  assign below                   = (top_tmin_0_i[31] ^ half_state_extent_i[31]) ? top_tmin_0_i[31] :
       (top_tmin_0_i[31] ? half_state_extent_i[30:0] < top_tmin_0_i[30:0] : top_tmin_0_i[30:0] <
       half_state_extent_i[30:0]);
-  assign is_near                 = top_present_i[0] & ((~next_nodes_t1 & next_nodes_t3 &
-      ~next_nodes_t2) | (~next_nodes_t1 & next_nodes_t2));
+  assign is_near                 = top_present_i[0] & ((~unordered & below & ~equal) | (~unordered &
+      equal));
   assign is_read                 = half_pops_i & ~half_is_empty_i & half_is_on_stack_i;
   assign takes                   = is_read & is_near;
   assign restarts                = half_pops_i & ~half_is_empty_i & ~half_is_on_stack_i;
@@ -160,84 +159,77 @@ module raypath_unit_finish (
   assign child                   = at_root ? half_state_root_i : (half_descends_i ? half_child_i :
       top_child_0_i);
   assign level                   = at_root ? 7'd0 : half_parent_i + 7'd1;
-  assign next_nodes_t4           = (level < 7'd64) & (child[6:0] == raypath_unit_pkg::ChildNode);
-  assign fetches_node            = visits & next_nodes_t4;
+  assign is_node                 = (level < 7'd64) & (child[6:0] == raypath_unit_pkg::ChildNode);
+  assign fetches_node            = visits & is_node;
   assign next_nodes_o            = (fetches_node & ~half_is_at_limit_i) ? half_state_nodes_i + 32'd1
       : half_state_nodes_i;
-  assign next_triangles_t1       = (child[6:0] != raypath_unit_pkg::ChildNone) & (child[6:0] <
+  assign is_triangles            = (child[6:0] != raypath_unit_pkg::ChildNone) & (child[6:0] <
       raypath_unit_pkg::ChildOtherLeaf);
-  assign fetches_leaf            = (visits & next_triangles_t1) | half_leaf_continues_i;
+  assign fetches_leaf            = (visits & is_triangles) | half_leaf_continues_i;
   assign left                    = half_leaf_continues_i ? half_state_leaf_left_i : child[3:0];
   assign count                   = (left < 4'd3) ? left[1:0] : 2'd3;
   assign next_triangles_o        = fetches_leaf ? half_state_triangles_i + {30'd0, count} :
       half_state_triangles_i;
   assign next_level_o            = visits ? level : half_state_level_i;
   assign drops                   = is_read & ~is_near;
-  assign next_pending_low_t1     = half_descends_i ? half_rest_present_i[0] : top_present_i[1];
-  assign next_pending_low_t2     = half_descends_i | takes;
-  assign next_pending_low_t3     = next_pending_low_t2 | drops;
-  assign next_pending_low_t4     = 32'd1 << half_parent_i[4:0];
-  assign next_pending_low_t5     = (next_pending_low_t3 & ~half_parent_i[5]) ? next_pending_low_t4 :
-      32'd0;
-  assign next_pending_low_t6     = next_pending_low_t1 & ~drops;
-  assign next_pending_low_t7     = (32'd1 << half_state_level_i[4:0]) + 32'hffff_ffff;
+  assign some_remain             = half_descends_i ? half_rest_present_i[0] : top_present_i[1];
+  assign moves                   = half_descends_i | takes;
+  assign changes                 = moves | drops;
+  assign stays                   = some_remain & ~drops;
+  assign bit_of_level            = 32'd1 << half_parent_i[4:0];
+  assign changing_low            = (changes & ~half_parent_i[5]) ? bit_of_level : 32'd0;
+  assign lower_levels            = (32'd1 << half_state_level_i[4:0]) + 32'hffff_ffff;
   assign next_pending_low_o      = half_is_lost_i ? (half_state_level_i[5] ?
-      half_state_pending_low_i : half_state_pending_low_i & next_pending_low_t7) :
-      (half_state_pending_low_i & ~next_pending_low_t5) | (next_pending_low_t6 ? next_pending_low_t5
-      : 32'd0);
-  assign next_pending_high_t1    = (next_pending_low_t3 & half_parent_i[5]) ? next_pending_low_t4 :
-      32'd0;
+      half_state_pending_low_i : half_state_pending_low_i & lower_levels) :
+      (half_state_pending_low_i & ~changing_low) | (stays ? changing_low : 32'd0);
+  assign changing_high           = (changes & half_parent_i[5]) ? bit_of_level : 32'd0;
   assign next_pending_high_o     = half_is_lost_i ? (half_state_level_i[5] ?
-      half_state_pending_high_i & next_pending_low_t7 : 32'd0) : (half_state_pending_high_i &
-      ~next_pending_high_t1) | (next_pending_low_t6 ? next_pending_high_t1 : 32'd0);
-  assign next_place_low_low_t1   = 32'd1 << half_parent_i[4:0];
-  assign next_place_low_low_t2   = (next_pending_low_t2 & ~half_parent_i[5]) ? next_place_low_low_t1
-      : 32'd0;
-  assign next_place_low_low_o    = (half_state_place_low_low_i & ~next_place_low_low_t2) |
-      (half_place_i[0] ? next_place_low_low_t2 : 32'd0);
-  assign next_place_low_high_t1  = (next_pending_low_t2 & half_parent_i[5]) ? next_place_low_low_t1
-      : 32'd0;
-  assign next_place_low_high_o   = (half_state_place_low_high_i & ~next_place_low_high_t1) |
-      (half_place_i[0] ? next_place_low_high_t1 : 32'd0);
-  assign next_place_high_low_o   = (half_state_place_high_low_i & ~next_place_low_low_t2) |
-      (half_place_i[1] ? next_place_low_low_t2 : 32'd0);
-  assign next_place_high_high_o  = (half_state_place_high_high_i & ~next_place_low_high_t1) |
-      (half_place_i[1] ? next_place_low_high_t1 : 32'd0);
-  assign next_base_t1            = next_pending_low_t2 & next_pending_low_t1;
-  assign next_base_t2            = (half_parent_i < 7'd8) ? 7'd0 : half_parent_i + 7'd121;
-  assign next_base_o             = restarts ? 7'd0 : ((next_base_t1 & (half_state_base_i <
-      next_base_t2)) ? next_base_t2 : half_state_base_i);
+      half_state_pending_high_i & lower_levels : 32'd0) : (half_state_pending_high_i &
+      ~changing_high) | (stays ? changing_high : 32'd0);
+  assign bit_of_level_2          = 32'd1 << half_parent_i[4:0];
+  assign moved_low               = (moves & ~half_parent_i[5]) ? bit_of_level_2 : 32'd0;
+  assign next_place_low_low_o    = (half_state_place_low_low_i & ~moved_low) | (half_place_i[0] ?
+      moved_low : 32'd0);
+  assign moved_high              = (moves & half_parent_i[5]) ? bit_of_level_2 : 32'd0;
+  assign next_place_low_high_o   = (half_state_place_low_high_i & ~moved_high) | (half_place_i[0] ?
+      moved_high : 32'd0);
+  assign next_place_high_low_o   = (half_state_place_high_low_i & ~moved_low) | (half_place_i[1] ?
+      moved_low : 32'd0);
+  assign next_place_high_high_o  = (half_state_place_high_high_i & ~moved_high) | (half_place_i[1] ?
+      moved_high : 32'd0);
+  assign writes                  = moves & some_remain;
+  assign lowest                  = (half_parent_i < 7'd8) ? 7'd0 : half_parent_i + 7'd121;
+  assign next_base_o             = restarts ? 7'd0 : ((writes & (half_state_base_i < lowest)) ?
+      lowest : half_state_base_i);
   assign next_restarting_o       = restarts | half_state_restarting_i;
   assign next_target_o           = restarts ? half_deepest_i : half_state_target_i;
-  assign next_leaf_address_t1    = half_leaf_continues_i ? half_state_leaf_address_i : {child[31:7],
+  assign address                 = half_leaf_continues_i ? half_state_leaf_address_i : {child[31:7],
       7'd0};
-  assign next_leaf_address_o     = fetches_leaf ? next_leaf_address_t1 : half_state_leaf_address_i;
+  assign next_leaf_address_o     = fetches_leaf ? address : half_state_leaf_address_i;
   assign next_leaf_left_o        = fetches_leaf ? left : half_state_leaf_left_i;
-  assign request_kind_t1         = child == 32'd0;
-  assign request_kind_t2         = visits & ~next_nodes_t4 & ~next_triangles_t1 & ~request_kind_t1;
-  assign request_kind_t3         = half_failed_i | request_kind_t2 | (fetches_node &
-      half_is_at_limit_i);
-  assign request_kind_t4         = (drops | half_is_lost_i | (visits & request_kind_t1)) ?
-      raypath_unit_pkg::RequestContinue : raypath_unit_pkg::RequestFetch;
-  assign request_kind_o          = (request_kind_t3 | half_ends_i | (half_pops_i & half_is_empty_i))
-      ? raypath_unit_pkg::RequestDone : request_kind_t4;
-  assign request_address_o       = next_leaf_address_t1;
+  assign is_missing              = child == 32'd0;
+  assign is_invalid              = visits & ~is_node & ~is_triangles & ~is_missing;
+  assign errs                    = half_failed_i | is_invalid | (fetches_node & half_is_at_limit_i);
+  assign request_kind_o          = (errs | half_ends_i | (half_pops_i & half_is_empty_i)) ?
+      raypath_unit_pkg::RequestDone : ((drops | half_is_lost_i | (visits & is_missing)) ?
+      raypath_unit_pkg::RequestContinue : raypath_unit_pkg::RequestFetch);
+  assign request_address_o       = address;
   assign request_count_o         = fetches_node ? 2'd0 : count;
-  assign request_writes_o        = next_base_t1;
+  assign request_writes_o        = writes;
   assign request_level_o         = half_parent_i;
   assign request_group_present_o = {half_descends_i & half_rest_present_i[2], half_descends_i ?
-      half_rest_present_i[1] : top_present_i[2], next_pending_low_t1};
+      half_rest_present_i[1] : top_present_i[2], some_remain};
   assign request_group_child_0_o = half_descends_i ? half_rest_child_0_i : top_child_1_i;
   assign request_group_child_1_o = half_descends_i ? half_rest_child_1_i : top_child_2_i;
   assign request_group_child_2_o = half_descends_i ? half_rest_child_2_i : top_child_2_i;
   assign request_group_tmin_0_o  = half_descends_i ? half_rest_tmin_0_i : top_tmin_1_i;
   assign request_group_tmin_1_o  = half_descends_i ? half_rest_tmin_1_i : top_tmin_2_i;
   assign request_group_tmin_2_o  = half_descends_i ? half_rest_tmin_2_i : top_tmin_2_i;
-  assign request_status_t1       = (half_failed_i & ~half_cannot_enter_i) ?
-      raypath_unit_pkg::StatusMemory : ((request_kind_t2 | half_cannot_enter_i) ?
+  assign other_failure           = (half_failed_i & ~half_cannot_enter_i) ?
+      raypath_unit_pkg::StatusMemory : ((is_invalid | half_cannot_enter_i) ?
       raypath_unit_pkg::StatusScene : raypath_unit_pkg::StatusLimit);
-  assign request_status_o        = request_kind_t3 ? (half_is_refused_i ?
-      raypath_unit_pkg::StatusRefused : request_status_t1) : (half_state_has_hit_i ?
-      raypath_unit_pkg::StatusHit : raypath_unit_pkg::StatusMiss);
+  assign request_status_o        = errs ? (half_is_refused_i ? raypath_unit_pkg::StatusRefused :
+      other_failure) : (half_state_has_hit_i ? raypath_unit_pkg::StatusHit :
+      raypath_unit_pkg::StatusMiss);
 
 endmodule : raypath_unit_finish

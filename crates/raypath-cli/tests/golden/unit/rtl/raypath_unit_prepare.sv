@@ -98,30 +98,29 @@ module raypath_unit_prepare (
 
   logic        has_boxes;
   logic        has_block;
-  logic        half_failed_t1;
-  logic        half_state_extent_t1;
-  logic        half_state_extent_t2;
-  logic        half_state_extent_t3;
-  logic        half_state_extent_t4;
-  logic        half_state_extent_t5;
+  logic        is_refused;
+  logic        unordered;
+  logic        equal;
+  logic        alike_below;
+  logic        is_better;
   logic        is_closer;
-  logic        half_state_has_hit_t1;
-  logic        half_leaf_continues_t1;
+  logic        half_state_has_hit;
+  logic        ends;
   logic        goes_on;
   logic        has_next;
-  logic        half_state_leaf_address_t1;
+  logic        next_block;
   logic        at_target;
-  logic        half_state_restarting_t1;
-  logic        half_state_restarting_t2;
+  logic        place_1;
+  logic        place_0;
   logic [2:0]  along;
   logic [2:0]  first;
   logic        is_hit;
-  logic [1:0]  half_child_t1;
-  logic [1:0]  half_rest_child_0_t1;
-  logic [1:0]  half_rest_child_1_t1;
+  logic [1:0]  number;
+  logic [1:0]  number_2;
+  logic [1:0]  number_3;
   logic        descends;
   logic        is_lost;
-  logic        half_is_on_stack_t1;
+  logic        in_low;
   logic        is_in_upper_16;
   logic [14:0] half_of_16;
   logic        is_in_upper_8;
@@ -136,27 +135,26 @@ module raypath_unit_prepare (
   logic        is_in_upper_4_2;
   logic [2:0]  half_of_4_2;
   logic        is_in_upper_2_2;
-  logic [4:0]  half_is_on_stack_t2;
+  logic [4:0]  index;
   logic [6:0]  deepest;
-  logic [1:0]  half_place_t1;
+  logic [1:0]  place;
 
   assign half_state_any_hit_o         = state_any_hit_i;
   assign half_state_root_o            = state_root_i;
   assign has_block                    = answer_kind_i == raypath_unit_pkg::AnswerBlock;
-  assign half_state_extent_t1         = (31'h7f80_0000 < answer_closest_t_i[30:0]) | (31'h7f80_0000
+  assign unordered                    = (31'h7f80_0000 < answer_closest_t_i[30:0]) | (31'h7f80_0000
       < state_extent_i[30:0]);
-  assign half_state_extent_t2         = (answer_closest_t_i == state_extent_i) |
+  assign equal                        = (answer_closest_t_i == state_extent_i) |
       ((answer_closest_t_i[30:0] == 31'd0) & (state_extent_i[30:0] == 31'd0));
-  assign half_state_extent_t3         = answer_closest_t_i[31] ? state_extent_i[30:0] <
+  assign alike_below                  = answer_closest_t_i[31] ? state_extent_i[30:0] <
       answer_closest_t_i[30:0] : answer_closest_t_i[30:0] < state_extent_i[30:0];
-  assign half_state_extent_t4         = ~half_state_extent_t1 & ((answer_closest_t_i[31] ^
-      state_extent_i[31]) ? answer_closest_t_i[31] : half_state_extent_t3) & ~half_state_extent_t2;
-  assign half_state_extent_t5         = half_state_extent_t4 | (~half_state_extent_t1 &
-      half_state_extent_t2 & state_has_hit_i & (answer_closest_primitive_i < state_primitive_i));
-  assign is_closer                    = has_block & answer_closest_is_hit_i & half_state_extent_t5;
+  assign is_better                    = (~unordered & ((answer_closest_t_i[31] ^ state_extent_i[31])
+      ? answer_closest_t_i[31] : alike_below) & ~equal) | (~unordered & equal & state_has_hit_i &
+      (answer_closest_primitive_i < state_primitive_i));
+  assign is_closer                    = has_block & answer_closest_is_hit_i & is_better;
   assign half_state_extent_o          = is_closer ? answer_closest_t_i : state_extent_i;
-  assign half_state_has_hit_t1        = state_has_hit_i | is_closer;
-  assign half_state_has_hit_o         = half_state_has_hit_t1;
+  assign half_state_has_hit           = state_has_hit_i | is_closer;
+  assign half_state_has_hit_o         = half_state_has_hit;
   assign half_state_t_num_o           = is_closer ? answer_closest_t_num_i : state_t_num_i;
   assign half_state_t_denom_o         = is_closer ? answer_closest_t_denom_i : state_t_denom_i;
   assign half_state_back_face_o       = is_closer ? answer_closest_is_clockwise_i :
@@ -174,11 +172,11 @@ module raypath_unit_prepare (
   assign half_state_base_o            = state_base_i;
   assign has_boxes                    = answer_kind_i == raypath_unit_pkg::AnswerBoxes;
   assign at_target                    = state_level_i == state_target_i;
-  assign half_state_restarting_t1     = state_level_i[5] ? |(state_place_high_high_i & (32'd1 <<
+  assign place_1                      = state_level_i[5] ? |(state_place_high_high_i & (32'd1 <<
       state_level_i[4:0])) : |(state_place_high_low_i & (32'd1 << state_level_i[4:0]));
-  assign half_state_restarting_t2     = state_level_i[5] ? |(state_place_low_high_i & (32'd1 <<
+  assign place_0                      = state_level_i[5] ? |(state_place_low_high_i & (32'd1 <<
       state_level_i[4:0])) : |(state_place_low_low_i & (32'd1 << state_level_i[4:0]));
-  assign along                        = {1'b0, half_state_restarting_t1, half_state_restarting_t2};
+  assign along                        = {1'b0, place_1, place_0};
   assign first                        = state_restarting_i ? (at_target ? along + 3'd1 : along) :
       3'd0;
   assign is_hit                       = ~first[2] & (first[1] ? (first[0] ? answer_hit_i[3] :
@@ -188,29 +186,28 @@ module raypath_unit_prepare (
   assign half_state_restarting_o      = state_restarting_i & ~is_lost & ~(descends & at_target);
   assign half_state_target_o          = state_target_i;
   assign has_next                     = 4'd3 < state_leaf_left_i;
-  assign half_state_leaf_address_t1   = has_block & has_next;
-  assign half_state_leaf_address_o    = half_state_leaf_address_t1 ? state_leaf_address_i + 32'd128
-      : state_leaf_address_i;
-  assign half_state_leaf_left_o       = half_state_leaf_address_t1 ? state_leaf_left_i + 4'd13 :
-      state_leaf_left_i;
+  assign next_block                   = has_block & has_next;
+  assign half_state_leaf_address_o    = next_block ? state_leaf_address_i + 32'd128 :
+      state_leaf_address_i;
+  assign half_state_leaf_left_o       = next_block ? state_leaf_left_i + 4'd13 : state_leaf_left_i;
   assign half_starts_o                = answer_kind_i == raypath_unit_pkg::AnswerStart;
-  assign half_failed_t1               = answer_kind_i == raypath_unit_pkg::AnswerRefused;
+  assign is_refused                   = answer_kind_i == raypath_unit_pkg::AnswerRefused;
   assign half_failed_o                = (answer_kind_i == raypath_unit_pkg::AnswerError) |
-      half_failed_t1;
-  assign half_is_refused_o            = half_failed_t1;
+      is_refused;
+  assign half_is_refused_o            = is_refused;
   assign half_cannot_enter_o          = 1'b0;
   assign half_descends_o              = descends;
   assign half_is_lost_o               = is_lost;
-  assign half_leaf_continues_t1       = has_block & state_any_hit_i & half_state_has_hit_t1;
-  assign goes_on                      = has_block & ~half_leaf_continues_t1;
+  assign ends                         = has_block & state_any_hit_i & half_state_has_hit;
+  assign goes_on                      = has_block & ~ends;
   assign half_leaf_continues_o        = goes_on & has_next;
-  assign half_ends_o                  = half_leaf_continues_t1;
+  assign half_ends_o                  = ends;
   assign half_pops_o                  = (goes_on & ~has_next) | (answer_kind_i ==
       raypath_unit_pkg::AnswerContinue) | (has_boxes & ~is_hit & ~state_restarting_i);
   assign half_is_empty_o              = (state_pending_low_i == 32'd0) & (state_pending_high_i ==
       32'd0);
   assign half_is_at_limit_o           = ~(state_nodes_i < node_limit_i) & (node_limit_i != 32'd0);
-  assign half_is_on_stack_t1          = state_pending_high_i == 32'd0;
+  assign in_low                       = state_pending_high_i == 32'd0;
   assign is_in_upper_16               = |state_pending_low_i[31:16];
   assign half_of_16                   = is_in_upper_16 ? state_pending_low_i[31:17] :
       state_pending_low_i[15:1];
@@ -227,35 +224,33 @@ module raypath_unit_prepare (
   assign is_in_upper_4_2              = |half_of_8_2[6:3];
   assign half_of_4_2                  = is_in_upper_4_2 ? half_of_8_2[6:4] : half_of_8_2[2:0];
   assign is_in_upper_2_2              = |half_of_4_2[2:1];
-  assign half_is_on_stack_t2          = half_is_on_stack_t1 ? {is_in_upper_16, is_in_upper_8,
-      is_in_upper_4, is_in_upper_2, is_in_upper_2 ? half_of_4[2] : half_of_4[0]} :
-      {is_in_upper_16_2, is_in_upper_8_2, is_in_upper_4_2, is_in_upper_2_2, is_in_upper_2_2 ?
-      half_of_4_2[2] : half_of_4_2[0]};
-  assign deepest                      = {1'b0, ~half_is_on_stack_t1, half_is_on_stack_t2};
+  assign index                        = in_low ? {is_in_upper_16, is_in_upper_8, is_in_upper_4,
+      is_in_upper_2, is_in_upper_2 ? half_of_4[2] : half_of_4[0]} : {is_in_upper_16_2,
+      is_in_upper_8_2, is_in_upper_4_2, is_in_upper_2_2, is_in_upper_2_2 ? half_of_4_2[2] :
+      half_of_4_2[0]};
+  assign deepest                      = {1'b0, ~in_low, index};
   assign half_is_on_stack_o           = ~(deepest < state_base_i);
   assign half_deepest_o               = deepest;
   assign half_parent_o                = descends ? state_level_i : deepest;
-  assign half_place_t1                = {deepest[5] ? |(state_place_high_high_i & (32'd1 <<
+  assign place                        = {deepest[5] ? |(state_place_high_high_i & (32'd1 <<
       deepest[4:0])) : |(state_place_high_low_i & (32'd1 << deepest[4:0])), deepest[5] ?
       |(state_place_low_high_i & (32'd1 << deepest[4:0])) : |(state_place_low_low_i & (32'd1 <<
       deepest[4:0]))};
-  assign half_place_o                 = descends ? first[1:0] : half_place_t1 + 2'd1;
-  assign half_child_t1                = first[1] ? (first[0] ? answer_box_index_3_i :
+  assign half_place_o                 = descends ? first[1:0] : place + 2'd1;
+  assign number                       = first[1] ? (first[0] ? answer_box_index_3_i :
       answer_box_index_2_i) : (first[0] ? answer_box_index_1_i : answer_box_index_0_i);
-  assign half_child_o                 = half_child_t1[1] ? (half_child_t1[0] ? answer_child_3_i :
-      answer_child_2_i) : (half_child_t1[0] ? answer_child_1_i : answer_child_0_i);
+  assign half_child_o                 = number[1] ? (number[0] ? answer_child_3_i :
+      answer_child_2_i) : (number[0] ? answer_child_1_i : answer_child_0_i);
   assign half_rest_present_o          = {~first[2] & ~first[1] & ~first[0] & answer_hit_i[3],
       ~first[2] & ~first[1] & (first[0] ? answer_hit_i[3] : answer_hit_i[2]), ~first[2] & (first[1]
       ? ~first[0] & answer_hit_i[3] : (first[0] ? answer_hit_i[2] : answer_hit_i[1]))};
-  assign half_rest_child_0_t1         = first[1] ? answer_box_index_3_i : (first[0] ?
+  assign number_2                     = first[1] ? answer_box_index_3_i : (first[0] ?
       answer_box_index_2_i : answer_box_index_1_i);
-  assign half_rest_child_0_o          = half_rest_child_0_t1[1] ? (half_rest_child_0_t1[0] ?
-      answer_child_3_i : answer_child_2_i) : (half_rest_child_0_t1[0] ? answer_child_1_i :
-      answer_child_0_i);
-  assign half_rest_child_1_t1         = first[0] ? answer_box_index_3_i : answer_box_index_2_i;
-  assign half_rest_child_1_o          = half_rest_child_1_t1[1] ? (half_rest_child_1_t1[0] ?
-      answer_child_3_i : answer_child_2_i) : (half_rest_child_1_t1[0] ? answer_child_1_i :
-      answer_child_0_i);
+  assign half_rest_child_0_o          = number_2[1] ? (number_2[0] ? answer_child_3_i :
+      answer_child_2_i) : (number_2[0] ? answer_child_1_i : answer_child_0_i);
+  assign number_3                     = first[0] ? answer_box_index_3_i : answer_box_index_2_i;
+  assign half_rest_child_1_o          = number_3[1] ? (number_3[0] ? answer_child_3_i :
+      answer_child_2_i) : (number_3[0] ? answer_child_1_i : answer_child_0_i);
   assign half_rest_child_2_o          = answer_box_index_3_i[1] ? (answer_box_index_3_i[0] ?
       answer_child_3_i : answer_child_2_i) : (answer_box_index_3_i[0] ? answer_child_1_i :
       answer_child_0_i);

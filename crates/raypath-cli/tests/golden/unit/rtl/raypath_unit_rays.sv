@@ -60,10 +60,10 @@ module raypath_unit_rays (
   logic        enters;
   logic        contexts_valid;
   logic [5:0]  contexts_context;
-  logic        is_meaningless_t1;
-  logic        is_meaningless_t2;
-  logic        is_meaningless_t3;
-  logic        is_meaningless_t4;
+  logic        both;
+  logic        mixed;
+  logic        any_face;
+  logic        faces;
   logic        is_meaningless;
   logic        set_up_ready;
   logic        set_up_valid;
@@ -89,21 +89,18 @@ module raypath_unit_rays (
     .valid_o (contexts_valid), .context_o (contexts_context)
   );
 
-  assign is_meaningless_t1 = (flags_i[raypath_unit_pkg::RayFlagOpaque] &
+  assign both           = (flags_i[raypath_unit_pkg::RayFlagOpaque] &
       flags_i[raypath_unit_pkg::RayFlagNoOpaque]) | (flags_i[raypath_unit_pkg::RayFlagCullOpaque] &
       flags_i[raypath_unit_pkg::RayFlagCullNoOpaque]);
-  assign is_meaningless_t2 = (flags_i[raypath_unit_pkg::RayFlagOpaque] |
+  assign mixed          = (flags_i[raypath_unit_pkg::RayFlagOpaque] |
       flags_i[raypath_unit_pkg::RayFlagNoOpaque]) & (flags_i[raypath_unit_pkg::RayFlagCullOpaque] |
       flags_i[raypath_unit_pkg::RayFlagCullNoOpaque]);
-  assign is_meaningless_t3 = (flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] &
-      flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles]) |
-      (flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] &
-      flags_i[raypath_unit_pkg::RayFlagSkipTriangles]);
-  assign is_meaningless_t4 = is_meaningless_t3 |
-      (flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles] &
-      flags_i[raypath_unit_pkg::RayFlagSkipTriangles]);
-  assign is_meaningless    = is_meaningless_t1 | is_meaningless_t2 | is_meaningless_t4 |
-      (flags_i[raypath_unit_pkg::RayFlagSkipTriangles] &
+  assign any_face       = (flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] |
+      flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles]) &
+      flags_i[raypath_unit_pkg::RayFlagSkipTriangles];
+  assign faces          = (flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] &
+      flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles]) | any_face;
+  assign is_meaningless = both | mixed | faces | (flags_i[raypath_unit_pkg::RayFlagSkipTriangles] &
       flags_i[raypath_unit_pkg::RayFlagSkipAabbs]);
 
   raypath_unit_set_up u_set_up (
@@ -119,7 +116,7 @@ module raypath_unit_rays (
   assign ready = set_up_ready & contexts_valid;
 
   // ---- What is kept of it, by reader ----------------------------------------
-  logic        limits_t1;
+  logic        culls_all;
   logic        limits_write_limits_culls_clockwise;
   logic        limits_write_limits_culls_counter_clockwise;
   logic [15:0] ids_id;
@@ -154,13 +151,13 @@ module raypath_unit_rays (
     .read_data_o ({origins_origin_x, origins_origin_y, origins_origin_z})
   );
 
-  assign limits_t1                                   =
+  assign culls_all                                   =
       flags_i[raypath_unit_pkg::RayFlagSkipTriangles] |
       flags_i[raypath_unit_pkg::RayFlagCullOpaque];
   assign limits_write_limits_culls_clockwise         =
-      flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] | limits_t1;
+      flags_i[raypath_unit_pkg::RayFlagCullBackFacingTriangles] | culls_all;
   assign limits_write_limits_culls_counter_clockwise =
-      flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles] | limits_t1;
+      flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles] | culls_all;
 
   raypath_ram_1r1w #(.Depth (64), .Width (34)) u_limits (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),

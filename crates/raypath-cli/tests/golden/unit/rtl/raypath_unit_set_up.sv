@@ -35,6 +35,11 @@ module raypath_unit_set_up (
   output logic [1:0]  kz_o
 );
 
+  logic unused_origin;
+
+  assign unused_origin = ^{entry_origin_x_i[31], entry_origin_x_i[22:0], entry_origin_y_i[31],
+      entry_origin_y_i[22:0], entry_origin_z_i[31], entry_origin_z_i[22:0]};
+
   // ---- The ray whose operands enter the divider, and the number of the next quotient
   logic        busy_q;
   logic [2:0]  number_q;
@@ -44,23 +49,9 @@ module raypath_unit_set_up (
   logic [31:0] dir_x_q;
   logic [31:0] dir_y_q;
   logic [31:0] dir_z_q;
-  logic [31:0] magnitude;
-  logic        is_refused_t1;
-  logic [31:0] magnitude_2;
-  logic        is_refused_t2;
-  logic        is_refused_t3;
-  logic [31:0] magnitude_3;
-  logic        is_refused_t4;
-  logic [31:0] magnitude_4;
-  logic        is_refused_t5;
-  logic [31:0] magnitude_5;
-  logic        is_refused_t6;
-  logic        is_refused_t7;
-  logic [31:0] magnitude_6;
-  logic        is_refused_t8;
   logic        finite;
-  logic        is_refused_t9;
-  logic        is_refused_d;
+  logic        has_range;
+  logic        entry_is_refused;
   logic        is_refused_q;
   logic [5:0]  context_q;
 
@@ -84,105 +75,73 @@ module raypath_unit_set_up (
     end
   end
 
-  assign magnitude     = entry_origin_x_i[31] ? {~entry_origin_x_i[31], entry_origin_x_i[30:0]} :
-      entry_origin_x_i;
-  assign is_refused_t1 = (magnitude[31] ? magnitude[31] : (magnitude[31] ? 31'h7f80_0000 <
-      magnitude[30:0] : magnitude[30:0] < 31'h7f80_0000)) & (magnitude != 32'h7f80_0000);
-  assign magnitude_2   = entry_origin_y_i[31] ? {~entry_origin_y_i[31], entry_origin_y_i[30:0]} :
-      entry_origin_y_i;
-  assign is_refused_t2 = magnitude_2[31] ? magnitude_2[31] : (magnitude_2[31] ? 31'h7f80_0000 <
-      magnitude_2[30:0] : magnitude_2[30:0] < 31'h7f80_0000);
-  assign is_refused_t3 = ~(31'h7f80_0000 < magnitude[30:0]) & is_refused_t1 & ~(31'h7f80_0000 <
-      magnitude_2[30:0]) & is_refused_t2 & (magnitude_2 != 32'h7f80_0000);
-  assign magnitude_3   = entry_origin_z_i[31] ? {~entry_origin_z_i[31], entry_origin_z_i[30:0]} :
-      entry_origin_z_i;
-  assign is_refused_t4 = magnitude_3[31] ? magnitude_3[31] : (magnitude_3[31] ? 31'h7f80_0000 <
-      magnitude_3[30:0] : magnitude_3[30:0] < 31'h7f80_0000);
-  assign magnitude_4   = entry_dir_x_i[31] ? {~entry_dir_x_i[31], entry_dir_x_i[30:0]} :
-      entry_dir_x_i;
-  assign is_refused_t5 = magnitude_4[31] ? magnitude_4[31] : (magnitude_4[31] ? 31'h7f80_0000 <
-      magnitude_4[30:0] : magnitude_4[30:0] < 31'h7f80_0000);
-  assign magnitude_5   = entry_dir_y_i[31] ? {~entry_dir_y_i[31], entry_dir_y_i[30:0]} :
-      entry_dir_y_i;
-  assign is_refused_t6 = magnitude_5[31] ? magnitude_5[31] : (magnitude_5[31] ? 31'h7f80_0000 <
-      magnitude_5[30:0] : magnitude_5[30:0] < 31'h7f80_0000);
-  assign is_refused_t7 = ~(31'h7f80_0000 < magnitude_4[30:0]) & is_refused_t5 & (magnitude_4 !=
-      32'h7f80_0000) & ~(31'h7f80_0000 < magnitude_5[30:0]) & is_refused_t6 & (magnitude_5 !=
-      32'h7f80_0000);
-  assign magnitude_6   = entry_dir_z_i[31] ? {~entry_dir_z_i[31], entry_dir_z_i[30:0]} :
-      entry_dir_z_i;
-  assign is_refused_t8 = magnitude_6[31] ? magnitude_6[31] : (magnitude_6[31] ? 31'h7f80_0000 <
-      magnitude_6[30:0] : magnitude_6[30:0] < 31'h7f80_0000);
-  assign finite        = is_refused_t3 & ~(31'h7f80_0000 < magnitude_3[30:0]) & is_refused_t4 &
-      (magnitude_3 != 32'h7f80_0000) & is_refused_t7 & ~(31'h7f80_0000 < magnitude_6[30:0]) &
-      is_refused_t8 & (magnitude_6 != 32'h7f80_0000);
-  assign is_refused_t9 = finite & ~((entry_dir_x_i[30:0] == 31'd0) & (entry_dir_y_i[30:0] == 31'd0)
-      & (entry_dir_z_i[30:0] == 31'd0)) & ~(31'h7f80_0000 < entry_t_min_i[30:0]) &
-      ((entry_t_min_i[30:0] == 31'd0) | ~entry_t_min_i[31]);
-  assign is_refused_d  = is_meaningless_i | ~(is_refused_t9 & ~(31'h7f80_0000 < entry_t_max_i[30:0])
-      & ((entry_t_max_i[30:0] == 31'd0) | ~entry_t_max_i[31]));
+  assign finite           = ~(&entry_origin_x_i[30:23]) & ~(&entry_origin_y_i[30:23]) &
+      ~(&entry_origin_z_i[30:23]) & ~(&entry_dir_x_i[30:23]) & ~(&entry_dir_y_i[30:23]) &
+      ~(&entry_dir_z_i[30:23]);
+  assign has_range        = ~(31'h7f80_0000 < entry_t_min_i[30:0]) & ((entry_t_min_i[30:0] == 31'd0)
+      | ~entry_t_min_i[31]) & ~(31'h7f80_0000 < entry_t_max_i[30:0]) & ((entry_t_max_i[30:0] ==
+      31'd0) | ~entry_t_max_i[31]);
+  assign entry_is_refused = ~(finite & ~((entry_dir_x_i[30:0] == 31'd0) & (entry_dir_y_i[30:0] ==
+      31'd0) & (entry_dir_z_i[30:0] == 31'd0)) & has_range);
 
   always_ff @(posedge clk_i) begin
     if (enters) begin
       dir_x_q      <= entry_dir_x_i;
       dir_y_q      <= entry_dir_y_i;
       dir_z_q      <= entry_dir_z_i;
-      is_refused_q <= is_refused_d;
+      is_refused_q <= is_meaningless_i | entry_is_refused;
       context_q    <= context_i;
     end
   end
 
   // ---- The axes, which the last two quotients need, in a register because they are slow
-  logic [31:0] magnitude_7;
-  logic [31:0] magnitude_8;
-  logic [31:0] magnitude_9;
-  logic        axis_kx_t1;
-  logic        axis_kx_t2;
+  logic [31:0] magnitude;
+  logic [31:0] magnitude_2;
+  logic [31:0] magnitude_3;
+  logic        equal;
+  logic        below;
   logic        y_is_greater;
-  logic [31:0] axis_kx_t3;
-  logic        axis_kx_t4;
-  logic        axis_kx_t5;
+  logic [31:0] greater;
+  logic        equal_2;
+  logic        below_2;
   logic [1:0]  kz;
-  logic [1:0]  axis_kx_t6;
-  logic [1:0]  axis_kx_t7;
-  logic [1:0]  axis_kx_t8;
-  logic [31:0] axis_kx_t9;
-  logic        axis_kx_t10;
+  logic [1:0]  first;
+  logic [1:0]  second;
+  logic [31:0] along_z;
+  logic        is_reversed;
   logic [1:0]  axis_kx_q;
   logic [1:0]  axis_ky_q;
   logic [1:0]  axis_kz_q;
 
-  assign magnitude_7  = dir_x_q[31] ? {~dir_x_q[31], dir_x_q[30:0]} : dir_x_q;
-  assign magnitude_8  = dir_y_q[31] ? {~dir_y_q[31], dir_y_q[30:0]} : dir_y_q;
-  assign magnitude_9  = dir_z_q[31] ? {~dir_z_q[31], dir_z_q[30:0]} : dir_z_q;
-  assign axis_kx_t1   = (magnitude_8 == magnitude_7) | ((magnitude_8[30:0] == 31'd0) &
-      (magnitude_7[30:0] == 31'd0));
-  assign axis_kx_t2   = (magnitude_8[31] ^ magnitude_7[31]) ? magnitude_8[31] : (magnitude_8[31] ?
-      magnitude_7[30:0] < magnitude_8[30:0] : magnitude_8[30:0] < magnitude_7[30:0]);
-  assign y_is_greater = ~((31'h7f80_0000 < magnitude_8[30:0]) | (31'h7f80_0000 < magnitude_7[30:0]))
-      & ~axis_kx_t1 & ~(axis_kx_t2 & ~axis_kx_t1);
-  assign axis_kx_t3   = y_is_greater ? magnitude_8 : magnitude_7;
-  assign axis_kx_t4   = (magnitude_9 == axis_kx_t3) | ((magnitude_9[30:0] == 31'd0) &
-      (axis_kx_t3[30:0] == 31'd0));
-  assign axis_kx_t5   = (magnitude_9[31] ^ axis_kx_t3[31]) ? magnitude_9[31] : (magnitude_9[31] ?
-      axis_kx_t3[30:0] < magnitude_9[30:0] : magnitude_9[30:0] < axis_kx_t3[30:0]);
-  assign kz           = (~((31'h7f80_0000 < magnitude_9[30:0]) | (31'h7f80_0000 < axis_kx_t3[30:0]))
-      & ~axis_kx_t4 & ~(axis_kx_t5 & ~axis_kx_t4)) ? 2'd2 : (y_is_greater ? 2'd1 : 2'd0);
-  assign axis_kx_t6   = (kz == 2'd2) ? 2'd0 : kz + 2'd1;
-  assign axis_kx_t7   = (kz == 2'd2) ? 2'd0 : kz + 2'd1;
-  assign axis_kx_t8   = (axis_kx_t7 == 2'd2) ? 2'd0 : axis_kx_t7 + 2'd1;
-  assign axis_kx_t9   = (kz == 2'd0) ? dir_x_q : ((kz == 2'd1) ? dir_y_q : dir_z_q);
-  assign axis_kx_t10  = ~(31'h7f80_0000 < axis_kx_t9[30:0]) & (axis_kx_t9[30:0] != 31'd0) &
-      axis_kx_t9[31];
+  assign magnitude    = dir_x_q[31] ? {~dir_x_q[31], dir_x_q[30:0]} : dir_x_q;
+  assign magnitude_2  = dir_y_q[31] ? {~dir_y_q[31], dir_y_q[30:0]} : dir_y_q;
+  assign magnitude_3  = dir_z_q[31] ? {~dir_z_q[31], dir_z_q[30:0]} : dir_z_q;
+  assign equal        = (magnitude_2 == magnitude) | ((magnitude_2[30:0] == 31'd0) &
+      (magnitude[30:0] == 31'd0));
+  assign below        = (magnitude_2[31] ^ magnitude[31]) ? magnitude_2[31] : (magnitude_2[31] ?
+      magnitude[30:0] < magnitude_2[30:0] : magnitude_2[30:0] < magnitude[30:0]);
+  assign y_is_greater = ~((31'h7f80_0000 < magnitude_2[30:0]) | (31'h7f80_0000 < magnitude[30:0])) &
+      ~equal & ~(below & ~equal);
+  assign greater      = y_is_greater ? magnitude_2 : magnitude;
+  assign equal_2      = (magnitude_3 == greater) | ((magnitude_3[30:0] == 31'd0) & (greater[30:0] ==
+      31'd0));
+  assign below_2      = (magnitude_3[31] ^ greater[31]) ? magnitude_3[31] : (magnitude_3[31] ?
+      greater[30:0] < magnitude_3[30:0] : magnitude_3[30:0] < greater[30:0]);
+  assign kz           = (~((31'h7f80_0000 < magnitude_3[30:0]) | (31'h7f80_0000 < greater[30:0])) &
+      ~equal_2 & ~(below_2 & ~equal_2)) ? 2'd2 : (y_is_greater ? 2'd1 : 2'd0);
+  assign first        = (kz == 2'd2) ? 2'd0 : kz + 2'd1;
+  assign second       = (first == 2'd2) ? 2'd0 : first + 2'd1;
+  assign along_z      = (kz == 2'd0) ? dir_x_q : ((kz == 2'd1) ? dir_y_q : dir_z_q);
+  assign is_reversed  = ~(31'h7f80_0000 < along_z[30:0]) & (along_z[30:0] != 31'd0) & along_z[31];
 
   always_ff @(posedge clk_i) begin
-    axis_kx_q <= axis_kx_t10 ? axis_kx_t8 : axis_kx_t6;
-    axis_ky_q <= axis_kx_t10 ? axis_kx_t6 : axis_kx_t8;
+    axis_kx_q <= is_reversed ? second : first;
+    axis_ky_q <= is_reversed ? first : second;
     axis_kz_q <= kz;
   end
 
   // ---- The operands, and their division: a quotient is always taken ---------
-  logic [31:0] encode_divisor_t1;
+  logic [31:0] along_z_2;
   logic [31:0] encode_dividend_ieee;
   logic [31:0] encode_divisor_ieee;
   logic        has_operands_q;
@@ -206,11 +165,10 @@ module raypath_unit_set_up (
     .ieee_i (encode_dividend_ieee), .recoded_o (encode_dividend_recoded)
   );
 
-  assign encode_divisor_t1   = (axis_kz_q == 2'd0) ? dir_x_q : ((axis_kz_q == 2'd1) ? dir_y_q :
+  assign along_z_2           = (axis_kz_q == 2'd0) ? dir_x_q : ((axis_kz_q == 2'd1) ? dir_y_q :
       dir_z_q);
-  assign encode_divisor_ieee = (number_q == 3'd4) ? encode_divisor_t1 : ((number_q == 3'd3) ?
-      encode_divisor_t1 : ((number_q == 3'd2) ? dir_z_q : ((number_q == 3'd1) ? dir_y_q :
-      dir_x_q)));
+  assign encode_divisor_ieee = (number_q == 3'd4) ? along_z_2 : ((number_q == 3'd3) ? along_z_2 :
+      ((number_q == 3'd2) ? dir_z_q : ((number_q == 3'd1) ? dir_y_q : dir_x_q)));
 
   raypath_fp_encode_e8s24 u_encode_divisor (
     .ieee_i (encode_divisor_ieee), .recoded_o (encode_divisor_recoded)
@@ -254,29 +212,22 @@ module raypath_unit_set_up (
   end
 
   // ---- Outputs --------------------------------------------------------------
-  logic [31:0] is_refused_t10;
-  logic [31:0] magnitude_10;
-  logic        is_refused_t11;
+  logic [31:0] shear_z;
 
-  assign ready_o        = ready;
-  assign valid_o        = divider_valid & divider_tag[0];
-  assign context_o      = divider_tag[13:8];
-  assign is_refused_t10 = (divider_tag[2:1] == 2'd0) ? quotient_0_q : ((divider_tag[2:1] == 2'd1) ?
+  assign ready_o      = ready;
+  assign valid_o      = divider_valid & divider_tag[0];
+  assign context_o    = divider_tag[13:8];
+  assign shear_z      = (divider_tag[2:1] == 2'd0) ? quotient_0_q : ((divider_tag[2:1] == 2'd1) ?
       quotient_1_q : quotient_2_q);
-  assign magnitude_10   = is_refused_t10[31] ? {~is_refused_t10[31], is_refused_t10[30:0]} :
-      is_refused_t10;
-  assign is_refused_t11 = magnitude_10[31] ? magnitude_10[31] : (magnitude_10[31] ? 31'h7f80_0000 <
-      magnitude_10[30:0] : magnitude_10[30:0] < 31'h7f80_0000);
-  assign is_refused_o   = divider_tag[7] | ~(~(31'h7f80_0000 < magnitude_10[30:0]) & is_refused_t11
-      & (magnitude_10 != 32'h7f80_0000));
-  assign inv_x_o        = quotient_0_q;
-  assign inv_y_o        = quotient_1_q;
-  assign inv_z_o        = quotient_2_q;
-  assign shear_x_o      = quotient_3_q;
-  assign shear_y_o      = decode_ieee;
-  assign shear_z_o      = is_refused_t10;
-  assign kx_o           = divider_tag[6:5];
-  assign ky_o           = divider_tag[4:3];
-  assign kz_o           = divider_tag[2:1];
+  assign is_refused_o = divider_tag[7] | (&shear_z[30:23]);
+  assign inv_x_o      = quotient_0_q;
+  assign inv_y_o      = quotient_1_q;
+  assign inv_z_o      = quotient_2_q;
+  assign shear_x_o    = quotient_3_q;
+  assign shear_y_o    = decode_ieee;
+  assign shear_z_o    = shear_z;
+  assign kx_o         = divider_tag[6:5];
+  assign ky_o         = divider_tag[4:3];
+  assign kz_o         = divider_tag[2:1];
 
 endmodule : raypath_unit_set_up

@@ -73,10 +73,10 @@ module raypath_unit_walk (
   logic [4:0]  scheduler_request;
   logic [4:0]  scheduler_grant;
   logic        read;
-  logic [5:0]  read_context_t1;
+  logic [5:0]  granted_context;
   logic [5:0]  read_context;
-  logic [3:0]  kind_t1;
-  logic [3:0]  kind_t2;
+  logic [3:0]  granted_kind;
+  logic [3:0]  granted_kind_2;
   logic        prepares_q;
   logic [5:0]  prepared_context_q;
   logic [3:0]  kind_q;
@@ -122,9 +122,9 @@ module raypath_unit_walk (
   );
 
   assign read            = |scheduler_grant;
-  assign read_context_t1 = (tested_context & {6{scheduler_grant[0]}}) | (block_context_i &
+  assign granted_context = (tested_context & {6{scheduler_grant[0]}}) | (block_context_i &
       {6{scheduler_grant[1]}}) | (fault_context_i & {6{scheduler_grant[2]}});
-  assign read_context    = read_context_t1 | (start_context_i & {6{scheduler_grant[3]}}) |
+  assign read_context    = granted_context | (start_context_i & {6{scheduler_grant[3]}}) |
       (continues_context & {6{scheduler_grant[4]}});
 
   raypath_ram_1r1w #(.Depth (64), .Width (108)) u_outcomes (
@@ -145,16 +145,16 @@ module raypath_unit_walk (
     end
   end
 
-  assign kind_t1 = (scheduler_grant[0] ? raypath_unit_pkg::AnswerBoxes : 4'd0) | (scheduler_grant[1]
-      ? raypath_unit_pkg::AnswerBlock : 4'd0);
-  assign kind_t2 = kind_t1 | (scheduler_grant[2] ? raypath_unit_pkg::AnswerError : 4'd0) |
-      (scheduler_grant[3] ? (start_is_refused_i ? raypath_unit_pkg::AnswerRefused :
+  assign granted_kind   = (scheduler_grant[0] ? raypath_unit_pkg::AnswerBoxes : 4'd0) |
+      (scheduler_grant[1] ? raypath_unit_pkg::AnswerBlock : 4'd0);
+  assign granted_kind_2 = granted_kind | (scheduler_grant[2] ? raypath_unit_pkg::AnswerError : 4'd0)
+      | (scheduler_grant[3] ? (start_is_refused_i ? raypath_unit_pkg::AnswerRefused :
       raypath_unit_pkg::AnswerStart) : 4'd0);
 
   always_ff @(posedge clk_i) begin
     prepared_context_q     <= read_context;
-    kind_q                 <= kind_t2 | (scheduler_grant[4] ? raypath_unit_pkg::AnswerContinue :
-        4'd0);
+    kind_q                 <= granted_kind_2 | (scheduler_grant[4] ?
+        raypath_unit_pkg::AnswerContinue : 4'd0);
     closest_is_hit_q       <= closest_is_hit_i;
     closest_t_q            <= closest_t_i;
     closest_t_num_q        <= closest_t_num_i;
