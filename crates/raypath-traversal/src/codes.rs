@@ -56,10 +56,10 @@ impl Codes {
     /// The name in the hardware, such as `AnswerCannotEnter`. If there is none, it is the stem.
     fn name(self, value: u32) -> impl fmt::Display {
         fmt::from_fn(move |f| {
-            let words = self.all.iter().find(|(_, known)| *known == value).map_or("", |(name, _)| name).split('_');
-            let words = words.map(|word| word.split_at(word.len().min(1)));
+            let name = self.all.iter().find(|(_, known)| *known == value).map_or("", |(name, _)| name);
             f.write_str(self.stem)?;
-            words.into_iter().try_for_each(|(first, rest)| write!(f, "{first}{}", rest.to_lowercase()))
+            let mut words = name.split('_').map(|word| word.split_at(word.len().min(1)));
+            words.try_for_each(|(first, rest)| write!(f, "{first}{}", rest.to_lowercase()))
         })
     }
 }

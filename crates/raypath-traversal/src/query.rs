@@ -208,8 +208,9 @@ impl<C: WordCircuit> RayFlags<C> {
     #[inline(always)]
     pub fn skip(self, is_box: Bit<C>, is_opaque: Bit<C>) -> Bit<C> {
         let (c, culled) = (is_box.circuit, is_opaque.select(self.cull_opaque, self.cull_no_opaque));
-        label!(c: culled);
-        is_box.select(self.skip_boxes, self.skip_triangles) | culled
+        let skips = is_box.select(self.skip_boxes, self.skip_triangles) | culled;
+        label!(c: culled, skips);
+        skips
     }
 
     /// The triangles that are not hit because of their face.

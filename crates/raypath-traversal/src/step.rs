@@ -247,7 +247,6 @@ pub fn prepare<C: WordCircuit>(
 
     // The first remaining child of the deepest pending level.
     let leaves = leaf_ends | continues | stays_out;
-    label!(c: leaves);
     let pops = leaves | (has_boxes & !chosen.hit & !state.restarting);
     let deepest = state.pending.deepest();
     // The constants are those of an instance that was fetched last, also if the ray stays out of it.
@@ -261,7 +260,7 @@ pub fn prepare<C: WordCircuit>(
     let parent = descends.select(state.level, deepest);
     let after_deepest = place_of(c, &state, deepest).plus_constant(1);
     let place = descends.select(first.part::<0, 2>(), after_deepest);
-    label!(c: pops, deepest, instance_level, leads_to_lost_space, after_deepest, parent, place);
+    label!(c: leaves, pops, deepest, instance_level, leads_to_lost_space, after_deepest, parent, place);
     HalfStep {
         starts,
         failed,
@@ -339,9 +338,7 @@ pub fn finish<C: WordCircuit>(
     let instance_flags = leaves_instance.select(InstanceFlags::none(c), state.instance_flags);
     let is_opaque = state.flags.is_opaque(target.is_opaque, instance_flags);
     let skips_leaf = if parameters.features.has_flags() {
-        let skips = state.flags.skip(target.is_box, is_opaque);
-        label!(c: skips);
-        visits & target.is_leaf & skips
+        visits & target.is_leaf & state.flags.skip(target.is_box, is_opaque)
     } else {
         c.bit(false)
     };
@@ -374,7 +371,6 @@ pub fn finish<C: WordCircuit>(
     label!(c: moves, some_remain, writes, changes, stays, changing, moved);
 
     let lowest = lowest_kept(c, parent, parameters.stack);
-    label!(c: lowest);
     let base = (writes & state.base.less(lowest)).select(lowest, state.base);
     let next = RayState {
         level: visits.select(level, state.level),
@@ -408,7 +404,7 @@ pub fn finish<C: WordCircuit>(
     let of_scene = (is_invalid | half.cannot_enter).select(ends_as(status::SCENE), ends_as(status::LIMIT));
     let other_failure = (half.failed & !half.cannot_enter).select(ends_as(status::MEMORY), of_scene);
     let failure = half.is_refused.select(ends_as(status::REFUSED), other_failure);
-    label!(c: next_kind, found, other_failure, failure);
+    label!(c: lowest, next_kind, found, other_failure, failure);
     let request = Request {
         kind,
         address,

@@ -19,7 +19,7 @@ use raypath_traversal::{
     Front, Memory, MemoryError, NODE_LIMIT, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit,
     UnitEngine, UnitFeatures, UnitInputs, UnitModel, UnitNetlist, UnitParameters, UnitPorts,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 const NOTHING: UnitFeatures = UnitFeatures::OFF;
@@ -325,4 +325,17 @@ fn flattened(top: &Module) -> (Arc<Module>, String) {
     }
     let text = format!("module flat ({ports});\n{wires}raypath_unit_wrapper u_wrapper (.*);\nendmodule\n");
     (m.finish().expect("a module"), text)
+}
+
+/// The drawing at the head of the unit has its parts, and no others.
+#[test]
+fn the_drawing_has_the_parts_of_the_unit() {
+    for (node, features) in [(Wide4, NOTHING), (Quantised, NOTHING), (Wide4, CANDIDATES), (Wide8, EVERYTHING)] {
+        let step = StepParameters { node, features, ..StepParameters::default() };
+        let unit = UnitNetlist::new(Config::DEFAULT, UnitParameters { step, ..UnitParameters::default() });
+        let top = unit.expect("a unit").top;
+        let head = top.doc().join("\n");
+        let drawn: BTreeSet<&str> = head.split_whitespace().filter(|word| word.starts_with("u_")).collect();
+        assert_eq!(drawn, top.instances().iter().map(|instance| instance.name.as_str()).collect(), "{head}");
+    }
 }

@@ -148,6 +148,8 @@ fn progress<'m>(
 ) -> Result<(Wire<'m>, Wire<'m>), Error> {
     let width = bits(beats);
     let (next_beat, next_failed) = (m.forward("next_beat", width), m.forward("next_failed", 1));
+    next_beat.wire().comment("by context, because beats of different blocks interleave");
+    next_failed.wire().comment("0 after the last beat, for the next block of the context");
     let kept = Inputs::default()
         .port("write_enable", valid)
         .port("address", context)

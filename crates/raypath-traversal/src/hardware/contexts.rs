@@ -18,6 +18,7 @@ pub fn contexts(count: u32) -> Result<Arc<Module>, Error> {
     // The contexts from `fresh_q` on were never used, as long as `has_fresh_q` is 1.
     let fresh = m.register("fresh_q", width).reset_to(0);
     let has_fresh = m.register("has_fresh_q", 1).reset_to(1);
+    has_fresh.wire().comment("contexts from fresh_q on were never used, and are not in the queue");
     let is_fresh = has_fresh.wire();
     let is_last = (take & fresh.wire().is(u64::from(count) - 1)).named("is_last");
     has_fresh.next(is_fresh & !is_last);

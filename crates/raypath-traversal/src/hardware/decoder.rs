@@ -30,6 +30,13 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
     let builder = Builder::new("raypath_unit_decoder");
     let m = &builder;
     m.doc("The boxes of compressed nodes: one addition for each bound. Other blocks pass by.");
+    m.doc(
+        "An addend needs no multiplier: its exponent is that of the node, and its fraction the byte of the bound, with",
+    );
+    m.doc(
+        "eight children after its highest bit, which adds to the exponent. Recoded numbers have no subnormals, so that",
+    );
+    m.doc("any power is an exponent. A child that does not exist has the box from +infinity to -infinity: no ray hits it.");
     let valid = m.input("valid_i", 1);
     let context = m.input("context_i", bits(contexts));
     let mut of_job = step.of_job().map(|(name, width)| (name, m.input(&format!("{name}_i"), width)));

@@ -45,6 +45,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.section("The operands, and their division");
     let slot = m.concat(&[context, place]);
     let moves = m.forward("moves", 1);
+    moves.wire().comment("the divider waits as a whole, while a block is complete and not taken");
     let operands = Operands {
         valid,
         dividend: numbers[0].1,
@@ -57,6 +58,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
 
     m.section("The hit whose limits and index are read");
     let read = (has_quotient & moves.wire()).named("read");
+    read.comment("behind the divider, so that no word goes through it that a memory has");
     let has_hit = m.register("has_hit_q", 1).reset_to(0);
     let folds = m.forward("folds", 1);
     moves.drive(!has_hit.wire() | folds.wire());

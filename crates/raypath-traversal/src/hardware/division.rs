@@ -27,6 +27,7 @@ pub fn divide<'m>(latency: u32, operands: Operands<'m>, moves: Option<Wire<'m>>)
     let m = valid.builder();
     let one = m.constant(1, 1);
     let has_operands = m.register("has_operands_q", 1).reset_to(0);
+    has_operands.wire().comment("in registers before the divider, because their encoders are slow");
     let divides = moves.map(|_| m.forward("divides", 1));
     let (ready, enters) = divides.map_or((one, valid), |divides| {
         let ready = (!has_operands.wire() | divides.wire()).named("ready");

@@ -41,6 +41,7 @@ pub fn entries(contexts: u32, divider_latency: u32, has_directions: bool) -> Res
     m.section("The turns");
     let ready = m.forward("ready", 1);
     let yields = m.register("yields_q", 1).reset_to(0);
+    yields.wire().comment("after an instance a new ray goes first, so that both get their turn");
     let waits = (is_transformed & is_last).named("waits");
     let chosen = (waits & !(yields.wire() & free)).named("chosen");
     yields.next_when(ready.wire(), chosen);

@@ -49,8 +49,7 @@ pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let context = m.input("context_i", width);
     let status_word = m.input("status_i", 3);
     let ready = m.input("ready_i", 1);
-    let status = Word::<_, 3>::new(Netlist(m), Value(status_word));
-    let is = |known: u32| status::CODES.is(status, known).value.0;
+    let is = |known: u32| status::CODES.is(Word::<_, 3>::new(Netlist(m), Value(status_word)), known).value.0;
     let is_hit = if features.has_candidates() { is(status::HIT) | is(status::PROCEDURAL) } else { is(status::HIT) };
     let is_hit = is_hit.named("is_hit");
     let value = |(name, field, width, is_of_hit): (&str, &str, u32, bool)| {
@@ -64,6 +63,7 @@ pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         numerators.into_iter().map(|field| named(field, m.input(&format!("next_{field}_i"), 32))).collect();
 
     let valid = m.register("valid_q", 1).reset_to(0);
+    valid.wire().comment("its context is free already: the memory keeps the word that it has read");
     let can_show = !valid.wire() | ready;
     let t_denom = words.iter().filter(|(name, _)| name == "t_denom").cloned();
     let divided = numerators.into_iter().chain(t_denom).chain([named("is_hit", is_hit)]).collect();

@@ -59,7 +59,7 @@ pub fn issue(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<Ar
     m.section("The next block");
     let ends = ((leaves & is_last) | (fault & fault_taken)).named("ends");
     take.drive(block.port("valid") & (!busy.wire() | ends));
-    let take = take.wire();
+    let take = take.wire().comment("with the last job of a block, because the words of the next come a cycle later");
     busy.next(take | (busy.wire() & !ends));
     failed.next_when(take, block.port("failed"));
     context.next_when(take, block.port("context"));

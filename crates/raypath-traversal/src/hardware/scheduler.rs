@@ -26,7 +26,7 @@ pub fn scheduler(features: UnitFeatures) -> Result<Arc<Module>, Error> {
     let after = m.register("after_q", count - 1).reset_to(0);
     let later = (request.upper(count - 1) & after.wire()).named("later");
     let first_later = m.concat(&[lowest(later), m.constant(1, 0)]);
-    let grant = later.any().mux(first_later, lowest(request)).named("grant");
+    let grant = later.any().mux(first_later, lowest(request)).named("grant").comment("x & (~x + 1): the lowest bit");
     let is_after = |source: u32| if source == 1 { grant.bit(0) } else { grant.lower(source).any() };
     let behind: Vec<Wire<'_>> = (1..count).rev().map(is_after).collect();
     after.next_when(request.any(), m.concat(&behind));

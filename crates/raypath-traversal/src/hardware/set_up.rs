@@ -31,7 +31,7 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let busy = m.register("busy_q", 1).reset_to(0);
     let number = m.register("number_q", 3).reset_to(0);
     let is_last = number.wire().is(QUOTIENTS as u64 - 1).named("is_last");
-    let ready = (!busy.wire() | is_last).named("ready");
+    let ready = (!busy.wire() | is_last).named("ready").comment("with the last operands of the ray before it");
     let enters = (valid & ready).named("enters");
     busy.next(enters | (busy.wire() & !is_last));
     number.next_when(busy.wire(), is_last.mux(m.constant(3, 0), number.wire() + m.constant(3, 1)));

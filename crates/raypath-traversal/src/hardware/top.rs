@@ -116,6 +116,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let m = &builder;
     m.doc("A ray goes in, the closest or any hit comes out.");
     m.doc(format!("{parameters}."));
+    drawing(parameters.step).for_each(|line| m.doc(line));
     CHANNELS.iter().chain(&OF_MEMORY).for_each(|(prefix, comment)| m.channel(prefix, comment));
     let ports = Ports::new(m, parameters);
     let top = Top { m, parameters, width: bits(parameters.contexts), back: Backwards::new(m, parameters) };
@@ -148,6 +149,17 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let candidates = top.candidates(&ports, &walk)?;
     top.outputs(&ports, &jobs.rays, &request, &hits, candidates.as_ref());
     Ok(builder.finish()?)
+}
+
+/// The drawing of a ray's way. A line begins with the letter of its part, or with the capital where the part is missing.
+fn drawing(StepParameters { node, features, .. }: StepParameters) -> impl Iterator<Item = &'static str> {
+    let is_there = move |line: &&str| match line.as_bytes().first() {
+        Some(b'd') => node != NodeKind::Wide4,
+        Some(part @ (b'i' | b'I')) => features.instances == (*part == b'i'),
+        Some(part @ (b'c' | b'C')) => features.has_candidates() == (*part == b'c'),
+        _ => true,
+    };
+    include_str!("way.txt").lines().filter(is_there).map(|line| &line[1..])
 }
 
 /// The outcome of a job, and which kind it has.
@@ -216,6 +228,7 @@ impl<'m> Top<'m> {
     /// whether the block is one and the ray is in one.
     fn fetched(&self) -> Named<'m> {
         let back = &self.back;
+        back.fetch.0.wire().comment("what is kept of a fetch is there before its request, and so before its block");
         let mut fetched = vec![named("count", back.fetch_count.wire()), named("extent", back.fetch_extent.wire())];
         let more = back.to_fetched.iter();
         fetched.extend(more.map(|(name, forward)| named(name.trim_start_matches("fetch_"), forward.wire())));
@@ -298,13 +311,12 @@ impl<'m> Top<'m> {
     fn datapath(&self, datapath: &Arc<Module>, jobs: &Jobs<'m>) -> Outcome<'m> {
         let m = self.m;
         datapath.text().package.iter().for_each(|package| m.package(package));
-        let width = datapath.port_width("opcode_i").unwrap_or(1);
-        let opcode = |opcode: u64, name: &str| m.constant(width, opcode).hint(name);
+        let opcode = |code: u64, name| m.constant(datapath.port_width("opcode_i").unwrap_or(1), code).hint(name);
         let boxes = opcode(JobKind::Quadbox.opcode(), "OpQuadbox");
         let triangle = opcode(JobKind::Triangle.opcode(), "OpTriangle");
-        let transform = opcode(TRANSFORM_OPCODE, "OpTransform");
+        let transform = || opcode(TRANSFORM_OPCODE, "OpTransform");
         let is_instance = jobs.fetched.get(2).map(|(_, is_instance)| *is_instance);
-        let other = is_instance.map_or(triangle, |is_instance| is_instance.mux(transform, triangle));
+        let other = is_instance.map_or(triangle, |is_instance| is_instance.mux(transform(), triangle));
         let (offer, is_node) = match &jobs.decoder {
             None => (jobs.issue.port("offer"), jobs.issue.port("is_node")),
             Some(decoder) => (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node")),
@@ -322,7 +334,7 @@ impl<'m> Top<'m> {
         let is_boxes = ports.port("opcode").equals(boxes).named("is_boxes");
         let tag = ports.port("tag");
         let context = tag.upper(self.width).named("outcome_context");
-        let is_transform = is_instance.map(|_| ports.port("opcode").equals(transform).named("is_transform"));
+        let is_transform = is_instance.map(|_| ports.port("opcode").equals(transform()).named("is_transform"));
         Outcome { ports, is_boxes, is_transform, tag, context, ready }
     }
 
@@ -356,6 +368,7 @@ impl<'m> Top<'m> {
         let is_taken = closest.port("ready");
         let is_taken = is_transform.map_or(is_taken, |is| is.mux(jobs.rays.port("transformed_ready"), is_taken));
         ready.drive(*is_boxes | is_taken);
+        ready.wire().comment("always of boxes: the memory of their outcomes has a word for each context");
         Ok(closest)
     }
 

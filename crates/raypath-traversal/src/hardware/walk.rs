@@ -37,6 +37,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_walk");
     let m = &builder;
     m.doc("The steps of rays: one in each cycle, in three stages.");
+    m.doc("A ray has one answer at a time, so that no stage needs what a later one has not written yet: there is no");
+    m.doc("bypass. The stages never wait: the queues behind them have a word for each context.");
     refer_to_package(m, step.features);
     let width = bits(count);
     let (flush, node_limit) = (m.input("flush_i", 1), m.input("node_limit_i", 32));
@@ -109,9 +111,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let constant = |kind: u32| answer::CODES.word::<_, 4>(Netlist(m), kind).value.0;
     let either = |refused: u32, ready: u32| is_refused.mux(constant(refused), constant(ready));
     let start_kind = either(answer::REFUSED, answer::START);
-    let start_kind = is_instance
-        .map_or(start_kind, |is| is.mux(either(answer::CANNOT_ENTER, answer::ENTER), start_kind))
-        .hint("start_kind");
+    let entering = either(answer::CANNOT_ENTER, answer::ENTER);
+    let start_kind = is_instance.map_or(start_kind, |is| is.mux(entering, start_kind).hint("start_kind"));
     let kinds = [answer::BOXES, answer::BLOCK, answer::ERROR].map(constant).into_iter();
     let kinds =
         kinds.chain([start_kind, constant(answer::CONTINUE)]).chain(verdicts.iter().map(|_| constant(answer::VERDICT)));
@@ -142,6 +143,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let first = RayState::begin(c, begin);
     let is = |known: u32| kind.equals(constant(known));
     let begins = (is(answer::START) | is(answer::REFUSED)).named("begins");
+    begins.comment("the memory has the state of an earlier ray, or was never written");
     let state = wires_with("", &first, step).map(|(name, first)| {
         let value = match kept.iter().find(|(known, _)| *known == name) {
             None => first,
@@ -204,7 +206,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     );
     let kind = done.port("request_kind");
     let goes_on = (finishes.wire() & !flush).named("goes_on");
-    let asks = |asked: u32| goes_on & kind.equals(request::CODES.word::<_, 2>(c, asked).value.0);
+    let is_asked = |asked: u32| kind.equals(request::CODES.word::<_, 2>(c, asked).value.0);
+    let asks = |asked: u32| goes_on & is_asked(asked);
     again_asked.drive(asks(request::CONTINUE));
 
     for source in ["block", "fault", "start"] {
@@ -213,7 +216,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.output("read_o", read);
     m.output("read_context_o", read_context);
     m.output("fetches_o", asks(request::FETCH));
-    m.output("ends_o", finishes.wire() & (flush | kind.is(request::DONE.into())));
+    m.output("ends_o", finishes.wire() & (flush | is_asked(request::DONE)));
     m.output("context_o", finished_context);
     if let Some(is_tested) = is_tested {
         m.output("asks_o", asks(request::CANDIDATE));

@@ -48,7 +48,7 @@ pub fn weights(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.section("Both quotients: u waits for v");
     let is_complete = (has_quotient & tag.bit(0)).named("is_complete");
     moves.drive(!is_complete | ready);
-    let u = hold("u_q", has_quotient & !tag.bit(0), quotient);
+    let u = hold("u_q", has_quotient & !tag.bit(0), quotient).comment("until v comes, which is next in the divider");
 
     m.output("take_o", take);
     m.output("valid_o", is_complete);

@@ -6,6 +6,17 @@
 //
 // A ray goes in, the closest or any hit comes out.
 // 64 contexts, stacks of 8, memory of 512 bits, ids of 16 bits, division in 11 cycles.
+//
+//   ray_ -----------------> u_rays ------ start ---> +--------+
+//                                                    |        | - ends ----> u_hits -----> hit_
+//   mem_rsp_ -> u_blocks -> u_issue ----- fault ---> |        |
+//                              |                     |        |
+//                           u_datapath -- boxes ---> | u_walk | - fetches -> u_requests -> mem_req_
+//                              |                     |        |
+//                           u_distance -- block ---> +--------+
+//
+// Each arrow to u_walk is an answer. A step takes one, and what it asks for comes back as the next
+// answer of the ray. What is read by context, such as the numbers of a ray, is not drawn.
 
 module raypath_unit (
   input  logic         clk_i,
@@ -61,6 +72,7 @@ module raypath_unit (
   logic        take;
   logic        limits_read;
   logic        step_read;
+  // what is kept of a fetch is there before its request, and so before its block
   logic        fetches;
   logic        job_ready;
   logic [5:0]  hit_context;
@@ -263,6 +275,7 @@ module raypath_unit (
   );
 
   // ---- The datapath ---------------------------------------------------------
+  // always of boxes: the memory of their outcomes has a word for each context
   logic        outcome_ready;
   logic [1:0]  job_opcode;
   logic        datapath_output_valid;

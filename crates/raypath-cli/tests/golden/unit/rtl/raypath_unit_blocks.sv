@@ -58,8 +58,8 @@ module raypath_unit_blocks (
 );
 
   // ---- The beats of each block so far, and whether one had an error ---------
-  logic next_beat;
-  logic next_failed;
+  logic next_beat;        // by context, because beats of different blocks interleave
+  logic next_failed;      // 0 after the last beat, for the next block of the context
   logic progress_beat;
   logic progress_failed;
   logic failed;

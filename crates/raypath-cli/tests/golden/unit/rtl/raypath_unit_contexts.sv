@@ -18,7 +18,7 @@ module raypath_unit_contexts (
 );
 
   logic [5:0] fresh_q;
-  logic       has_fresh_q;
+  logic       has_fresh_q;   // contexts from fresh_q on were never used, and are not in the queue
   logic       is_last;
   logic       free_valid;
   logic [5:0] free_context;

@@ -38,7 +38,9 @@ module raypath_unit_distance (
 );
 
   // ---- The operands, and their division -------------------------------------
+  // the divider waits as a whole, while a block is complete and not taken
   logic        moves;
+  // in registers before the divider, because their encoders are slow
   logic        has_operands_q;
   logic        divides;
   logic        ready;
@@ -94,6 +96,7 @@ module raypath_unit_distance (
   end
 
   // ---- The hit whose limits and index are read ------------------------------
+  // behind the divider, so that no word goes through it that a memory has
   logic        read;
   logic [31:0] t_q;
   logic [10:0] tag_q;

@@ -6,6 +6,9 @@
 //
 // What happens to a ray when an answer arrives, after its stack is read.
 // The stack of a ray has 8 entries.
+// The entry of a level is at the level modulo their number, so that deep levels overwrite high
+// ones: base is the
+// lowest level that is not overwritten.
 
 module raypath_unit_finish (
   input  logic        half_state_any_hit_i,

@@ -34,6 +34,7 @@ module raypath_unit_hits (
 );
 
   logic        is_hit;
+  // its context is free already: the memory keeps the word that it has read
   logic        valid_q;
   logic        takes;
   logic        ended_valid;

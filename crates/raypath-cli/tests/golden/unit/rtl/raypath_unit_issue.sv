@@ -62,6 +62,7 @@ module raypath_unit_issue (
   output logic [31:0] triangle_8_o
 );
 
+  // with the last job of a block, because the words of the next come a cycle later
   logic       take;
   logic       arrivals_valid;
   logic [5:0] arrivals_context;

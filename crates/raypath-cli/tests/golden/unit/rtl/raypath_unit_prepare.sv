@@ -5,6 +5,9 @@
 // conservative true.
 //
 // What happens to a ray when an answer arrives, before its stack is read.
+// A ray whose stack has lost the deepest pending level descends again from the root, along the
+// places of the
+// children that it took (a restart trail), and takes the next child at that level.
 
 module raypath_unit_prepare (
   input  logic        state_any_hit_i,

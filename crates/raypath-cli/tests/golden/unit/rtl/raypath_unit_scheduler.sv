@@ -16,7 +16,7 @@ module raypath_unit_scheduler (
 
   logic [3:0] after_q;
   logic [3:0] later;
-  logic [4:0] grant;
+  logic [4:0] grant;    // x & (~x + 1): the lowest bit
 
   assign later = request_i[4:1] & after_q;
   assign grant = (|later) ? {later & (~later + 4'd1), 1'b0} : request_i & (~request_i + 5'd1);

@@ -44,7 +44,7 @@ module raypath_unit_set_up (
   logic        busy_q;
   logic [2:0]  number_q;
   logic        is_last;
-  logic        ready;
+  logic        ready;             // with the last operands of the ray before it
   logic        enters;
   logic [31:0] dir_x_q;
   logic [31:0] dir_y_q;
@@ -144,6 +144,7 @@ module raypath_unit_set_up (
   logic [31:0] along_z_2;
   logic [31:0] encode_dividend_ieee;
   logic [31:0] encode_divisor_ieee;
+  // in registers before the divider, because their encoders are slow
   logic        has_operands_q;
   logic [32:0] encode_dividend_recoded;
   logic [32:0] dividend_q;

@@ -5,6 +5,9 @@
 // conservative true.
 //
 // The steps of rays: one in each cycle, in three stages.
+// A ray has one answer at a time, so that no stage needs what a later one has not written yet:
+// there is no
+// bypass. The stages never wait: the queues behind them have a word for each context.
 
 module raypath_unit_walk (
   input  logic        clk_i,
@@ -185,6 +188,7 @@ module raypath_unit_walk (
   logic [6:0]  states_target;
   logic [31:0] states_leaf_address;
   logic [3:0]  states_leaf_left;
+  // the memory has the state of an earlier ray, or was never written
   logic        begins;
   logic        prepare_half_state_any_hit;
   logic [31:0] prepare_half_state_root;
@@ -533,7 +537,8 @@ module raypath_unit_walk (
   assign read_o           = read;
   assign read_context_o   = read_context;
   assign fetches_o        = goes_on & (finish_request_kind == raypath_unit_pkg::RequestFetch);
-  assign ends_o           = finishes_q & (flush_i | (finish_request_kind == 2'd2));
+  assign ends_o           = finishes_q & (flush_i | (finish_request_kind ==
+      raypath_unit_pkg::RequestDone));
   assign context_o        = finished_context_q;
   assign block_o          = finish_request_address[31:7];
   assign next_extent_o    = finish_next_extent;
