@@ -160,3 +160,11 @@ pub fn obligations(level: Level) -> Result<Vec<Obligation>, Error> {
     }
     Ok(all)
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_fault_is_in_the_text_of_its_module() {
+        assert!(super::obligations(super::Level::Regression).expect("all faults").len() > 80);
+    }
+}
