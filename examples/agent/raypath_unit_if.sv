@@ -31,4 +31,7 @@ interface raypath_unit_if #(
   logic [AddressWidth-1:0] mem_req_addr_o;
   logic [MemoryWidth-1:0]  mem_rsp_data_i;
 
+  logic                    count_boxes_o, count_triangles_o, count_transforms_o, count_steps_o, count_fetches_o;
+  logic                    count_rays_o, count_restarts_o, count_job_stalls_o, count_candidates_o;
+
 endinterface : raypath_unit_if

@@ -122,4 +122,8 @@ impl UnitEngine for UnitModel {
         self.timing.reset();
         self.contexts.reset();
     }
+
+    fn counts(&self) -> Option<UnitCounts> {
+        Some(self.timing.counts())
+    }
 }

@@ -1,6 +1,7 @@
 //! What runs the unit cycle by cycle: its ports, and the simulated netlist behind them.
 
 use crate::candidate::{Candidate, Verdict};
+use crate::cycle::UnitCounts;
 use crate::hardware::UnitNetlist;
 use crate::model::{Hit, HitInstance, RayRequest, Reply};
 use crate::query::Queries;
@@ -84,6 +85,10 @@ pub trait UnitEngine {
     fn cycle(&mut self, inputs: &UnitInputs<'_>);
     /// A cycle in which `rst_ni` is 0.
     fn reset(&mut self);
+    /// What the unit did since its last reset, if the engine counts it.
+    fn counts(&self) -> Option<UnitCounts> {
+        None
+    }
 }
 
 /// The simulated netlist of the unit. Inputs of channels that are not valid have arbitrary values.
@@ -93,6 +98,8 @@ pub struct NetlistEngine {
     outputs: Vec<OutputPort>,
     ports: UnitPorts,
     arbitrary: u64,
+    counts: [u64; COUNTS.len()],
+    cycles: u64,
 }
 
 impl NetlistEngine {
@@ -125,7 +132,15 @@ impl NetlistEngine {
         let inputs = top.inputs().iter().map(input).collect::<Result<_, _>>()?;
         let output = |port: &raypath_hdl::Port| simulator.output(&port.name);
         let outputs = top.outputs().iter().map(output).collect::<Result<_, _>>()?;
-        Ok(Self { simulator, inputs, outputs, ports: UnitPorts::of(top), arbitrary: 1 })
+        Ok(Self {
+            simulator,
+            inputs,
+            outputs,
+            ports: UnitPorts::of(top),
+            arbitrary: 1,
+            counts: [0; COUNTS.len()],
+            cycles: 0,
+        })
     }
 
     /// The simulator, from which observed signals are read.
@@ -155,15 +170,41 @@ impl UnitEngine for NetlistEngine {
             *arbitrary >> 8 ^ *arbitrary << 30
         });
         self.inputs.iter().zip(words).for_each(|(&port, word)| self.simulator.set(port, word));
+        // They come last, and depend on no input.
+        let counted = &self.outputs[self.outputs.len() - COUNTS.len()..];
+        self.counts.iter_mut().zip(counted).for_each(|(count, &port)| *count += self.simulator.get(port));
+        self.cycles += 1;
         self.simulator.cycle();
     }
 
+    fn counts(&self) -> Option<UnitCounts> {
+        let [boxes, triangles, transforms, steps, fetches, rays, restarts, job_stalls, candidates] = self.counts;
+        let cycles = self.cycles;
+        Some(UnitCounts {
+            cycles,
+            boxes,
+            triangles,
+            transforms,
+            steps,
+            fetches,
+            rays,
+            restarts,
+            job_stalls,
+            candidates,
+        })
+    }
+
     fn reset(&mut self) {
+        (self.counts, self.cycles) = ([0; COUNTS.len()], 0);
         self.simulator.set_reset(true);
         self.simulator.cycle();
         self.simulator.set_reset(false);
     }
 }
+
+/// What the unit counts besides cycles: the ports `count_<name>_o`, the last ones, are 1 in the cycle of an event.
+pub const COUNTS: [&str; 9] =
+    ["boxes", "triangles", "transforms", "steps", "fetches", "rays", "restarts", "job_stalls", "candidates"];
 
 /// The ports of `raypath_unit`, by which words in the order of their declaration are made and read.
 #[derive(Debug, Clone)]

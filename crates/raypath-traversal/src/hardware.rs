@@ -11,6 +11,7 @@ mod distance;
 mod division;
 mod entries;
 mod files;
+mod filled;
 mod hits;
 mod issue;
 mod jobs;

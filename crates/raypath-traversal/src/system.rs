@@ -2,6 +2,8 @@
 
 mod arbiter;
 mod cache;
+#[cfg(test)]
+mod lockstep;
 pub mod rtl;
 
 use crate::cycle::UnitCounts;
@@ -165,7 +167,7 @@ pub fn simulate<M: Memory + ?Sized>(
         timing.beats += u64::from(beat.is_some());
         timing.ray_cycles += in_flight;
         now += 1;
-        let Moved { enters, hit, request } = cluster.cycle(ray.as_ref(), beat);
+        let Moved { enters, hit, request } = cluster.cycle(ray.as_ref(), beat, true, true);
         if let Some(request) = request {
             memory.request(request, now);
         }
@@ -277,9 +279,15 @@ impl<'s, M: Memory + ?Sized> Cluster<'s, M> {
         counts.reduce(UnitCounts::beside).unwrap_or_default()
     }
 
-    /// The clock edge. Hits and candidates are taken.
+    /// The clock edge. Candidates are taken, and hits and requests where they can be.
     #[inline(always)]
-    fn cycle(&mut self, ray: Option<&(u64, RayRequest)>, beat: Option<Beat>) -> Moved {
+    fn cycle(
+        &mut self,
+        ray: Option<&(u64, RayRequest)>,
+        beat: Option<Beat>,
+        hit_ready: bool,
+        request_ready: bool,
+    ) -> Moved {
         let word = |is_there: &dyn Fn(&Unit<'s, M>) -> bool| -> u64 {
             self.units.iter().zip(0..).fold(0, |word, (unit, place)| word | u64::from(is_there(unit)) << place)
         };
@@ -294,16 +302,16 @@ impl<'s, M: Memory + ?Sized> Cluster<'s, M> {
             Some(BlockRequest { address, tag: (place as u32) << self.tag_bits | tag })
         });
         let (beat, is_ready, request) = match &mut self.shared {
-            None => (beat, true, request),
+            None => (beat, request_ready, request),
             Some(cache) => {
                 let is_ready = cache.ready();
-                let (response, line) = through(cache, request, true, beat);
+                let (response, line) = through(cache, request, request_ready, beat);
                 (response, is_ready, line)
             }
         };
         self.of_rays.edge(entered, ray.is_some());
         self.of_requests.edge(asked, is_ready);
-        self.of_hits.edge(ended, true);
+        self.of_hits.edge(ended, hit_ready);
         self.of_candidates.edge(shown, true);
         for (unit, place) in self.units.iter_mut().zip(0..) {
             let is_granted = |grant: u64| grant >> place & 1 == 1;
@@ -325,7 +333,7 @@ impl<'s, M: Memory + ?Sized> Cluster<'s, M> {
                 &Edge {
                     flush: false,
                     ray: ray.filter(|_| is_granted(entered)),
-                    hit_ready: is_granted(ended),
+                    hit_ready: hit_ready & is_granted(ended),
                     candidate_ready: is_granted(shown),
                     decided: take(&mut unit.decided),
                     request_ready,

@@ -249,6 +249,10 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
         let flush = std::mem::take(&mut self.asks_flush);
         let inputs = UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response };
         engines.iter_mut().for_each(|engine| engine.cycle(&inputs));
+        let counts: Vec<_> = engines.iter().filter_map(|engine| engine.counts()).collect();
+        if let Some(differing) = counts.iter().find(|other| **other != counts[0]) {
+            return Err(wrong(format!("cycle {now}: an engine counts {differing:?}, another {:?}", counts[0])));
+        }
 
         if let Some(k) = chosen {
             self.moved = now;

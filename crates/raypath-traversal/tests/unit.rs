@@ -291,8 +291,7 @@ fn verilator_equals_the_model(step: StepParameters) {
 /// A module with the ports of the unit around the wrapper with structures: for the test bench, and as text, which has the
 /// field of each port.
 fn flattened(top: &Module) -> (Arc<Module>, String) {
-    let structures =
-        "ray_t ray_i,hit_t hit_o,candidate_t cand_o,answer_t answer_i,mem_req_t mem_req_o,mem_rsp_t mem_rsp_i";
+    let structures = "ray_t ray_i,hit_t hit_o,candidate_t cand_o,answer_t answer_i,mem_req_t mem_req_o,mem_rsp_t mem_rsp_i,count_t count_o";
     let field = |port: &str| {
         let of = |whole: &'static str| Some((whole, port.strip_prefix(&whole[..whole.len() - 1])?));
         let (whole, field) = structures.split([',', ' ']).skip(1).step_by(2).find_map(of)?;

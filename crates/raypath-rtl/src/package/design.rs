@@ -35,6 +35,8 @@ pub struct Wrapped<'a> {
     pub top: &'a Arc<Module>,
     /// The wrapper, which instantiates the top module.
     pub wrapper: &'a Arc<Module>,
+    /// The name, the comment and the text of modules that instantiate those of the wrapper, the top module last.
+    pub beyond: &'a [[String; 3]],
     /// The text of the assertions about its modules.
     pub properties: &'a str,
     /// The names of channels whose structures have others: see `wrapped`.
@@ -48,15 +50,15 @@ pub struct Wrapped<'a> {
 }
 
 /// All files of a design around a datapath: each module in `rtl/`, listed in `<top>.f`, with the wrapper in
-/// `<wrapper>.f`, and in `<top>_wrapper.f` with a second wrapper, which has a structure for each channel of the top
-/// module; all modules but the wrappers in `<top>.sv`, and the same without package and structures in
+/// `<wrapper>.f`, in `<top>_wrapper.f` with a second wrapper, which has a structure for each channel of the top
+/// module, and in a list of its name with a module beyond; all modules but the wrappers in `<top>.sv`, and the same without package and structures in
 /// `<top>_plain.sv`; the assertions in `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`; and of the
 /// wrapper the constraints `<wrapper>.sdc` and `<wrapper>.xdc`, and `<wrapper>.xml` (IP-XACT).
 ///
 /// # Errors
 /// A design that cannot be printed: different modules of one name.
 pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
-    let Wrapped { top, wrapper: axi, properties, types, purpose, description, period_ns } = design;
+    let Wrapped { top, wrapper: axi, beyond, properties, types, purpose, description, period_ns } = design;
     let (banner, name, wrapper_name) = (&banner(description), top.name(), axi.name());
     let Printed { names, all, .. } = Printed::of(top, banner)?;
     // Besides those of the top module.
@@ -73,7 +75,17 @@ pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
     let of_axi = [&names[..], &wrapper].concat();
     files.push((format!("{wrapper_name}.f").into(), list(&of_axi)));
     files.push((format!("{name}_wrapper.f").into(), list(&[&names[..], &structured].concat())));
-    let wrapper = [wrapper, structured].concat();
+    let mut further = Vec::new();
+    for [module, doc, text] in beyond {
+        let path = format!("rtl/{module}.sv");
+        files.push((path.clone().into(), verilog::head(banner, std::slice::from_ref(doc)) + text));
+        further.push(path);
+    }
+    if let Some([module, ..]) = beyond.last() {
+        let below = of_axi.strip_suffix(&[format!("rtl/{wrapper_name}.sv")]).unwrap_or(&of_axi);
+        files.push((format!("{module}.f").into(), list(&[below, &further].concat())));
+    }
+    let wrapper = [wrapper, structured, further].concat();
     let sources = Sources { name, description: purpose, modules: names, wrapper_name, wrapper, properties: checks };
     files.push((format!("{name}.core").into(), sources.fusesoc(banner)));
     files.push(("Bender.yml".into(), sources.bender(banner)));

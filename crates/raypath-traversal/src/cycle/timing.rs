@@ -83,6 +83,8 @@ pub struct UnitCounts {
     pub restarts: u64,
     /// Cycles in which a job waited for the datapath.
     pub job_stalls: u64,
+    /// Candidates about which the user was asked.
+    pub candidates: u64,
 }
 
 impl UnitCounts {
@@ -99,6 +101,7 @@ impl UnitCounts {
             rays: self.rays + other.rays,
             restarts: self.restarts + other.restarts,
             job_stalls: self.job_stalls + other.job_stalls,
+            candidates: self.candidates + other.candidates,
         }
     }
 }
@@ -206,6 +209,7 @@ impl Timing {
             rays: self.asked[AskedKind::Nothing as usize],
             restarts: self.restarts,
             job_stalls: self.job_stalls,
+            candidates: self.asked[AskedKind::Verdict as usize],
         }
     }
 

@@ -17,11 +17,14 @@ pub const CHANNELS: [(&str, &str); 4] = [
     ("cand_", "A candidate, about which the user decides; its tag tells the ray."),
     ("answer_", "The verdict on the candidate with this tag, in any order, after any time."),
 ];
-/// Those of the memory's channels.
-pub const OF_MEMORY: [(&str, &str); 2] = [
+/// Those of the memory's channels, and the counts.
+pub const OF_MEMORY: [(&str, &str); 3] = [
     ("mem_req_", "The request of a block: it stays until ready is 1; a tag has one request at a time."),
     ("mem_rsp_", "A beat of a block, those of a tag in order of addresses; ready is always 1."),
+    COUNTED,
 ];
+/// The counts.
+pub const COUNTED: (&str, &str) = ("count_", "Events of the cycle, for counters.");
 
 /// The inputs of the unit, by channel. While rays are dropped, none enters, and hits and candidates are taken.
 pub struct Ports<'m> {

@@ -15,7 +15,8 @@ impl UnitNetlist {
     }
 
     /// All files of the unit, each with its path in the output folder ([`package::wrapped`]). The wrappers are
-    /// `raypath_unit_axi`, whose constraints are for a clock of `period_ns`, and `raypath_unit_wrapper`.
+    /// `raypath_unit_axi`, whose constraints are for a clock of `period_ns`, `raypath_unit_wrapper`, and
+    /// `raypath_device`, with the driver for it in `software`.
     ///
     /// # Errors
     /// A defect of the netlist.
@@ -23,6 +24,7 @@ impl UnitNetlist {
         package::wrapped(Wrapped {
             top: &self.top,
             wrapper: &self.axi()?,
+            beyond: &self.device()?,
             properties: &self.properties(),
             types: &[("cand", "candidate")],
             purpose: PURPOSE,

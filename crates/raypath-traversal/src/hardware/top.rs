@@ -14,6 +14,7 @@ use super::queue::{bits, queue};
 use super::rays::rays;
 use super::walk::walk;
 use crate::blocks::{NodeKind, VERTEX_WORDS};
+use crate::engine::COUNTS;
 use crate::error::UnitError;
 use crate::instance::{TRANSFORM_OPCODE, Transform};
 use crate::netlist::wires;
@@ -148,6 +149,11 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let (request, hits) = (top.requests(&ports, &walk)?, top.hits(&ports, &walk)?);
     let candidates = top.candidates(&ports, &walk)?;
     top.outputs(&ports, &jobs.rays, &request, &hits, candidates.as_ref());
+    let Outcome { enters: [boxes, triangles, transforms], waits, .. } = outcome;
+    let [steps, fetches, rays, restarts] = ["steps", "fetches", "ends", "restarts"].map(|name| walk.port(name));
+    let asks = if parameters.step.features.has_candidates() { walk.port("asks") } else { m.constant(1, 0) };
+    let events = [boxes, triangles, transforms, steps, fetches, rays, restarts, waits, asks];
+    COUNTS.iter().zip(events).for_each(|(name, event)| m.output(&format!("count_{name}_o"), event));
     Ok(builder.finish()?)
 }
 
@@ -171,6 +177,9 @@ struct Outcome<'m> {
     context: Wire<'m>,
     /// Drives whether the outcome is taken.
     ready: Forward<'m>,
+    /// Whether a job of each kind enters, by the order of the counts, and whether one waits.
+    enters: [Wire<'m>; 3],
+    waits: Wire<'m>,
 }
 
 /// The top module while it is built.
@@ -335,12 +344,20 @@ impl<'m> Top<'m> {
         let tag = ports.port("tag");
         let context = tag.upper(self.width).named("outcome_context");
         let is_transform = is_instance.map(|_| ports.port("opcode").equals(transform()).named("is_transform"));
-        Outcome { ports, is_boxes, is_transform, tag, context, ready }
+        let taken = ports.port("input_ready");
+        let enters = (offer & taken).named("job_enters");
+        let is_other = (enters & !is_node).named("other_enters");
+        let [triangles, transforms] = match is_instance {
+            None => [is_other, m.constant(1, 0)],
+            Some(is_instance) => [is_other & !is_instance, is_other & is_instance],
+        };
+        let enters = [enters & is_node, triangles, transforms];
+        Outcome { ports, is_boxes, is_transform, tag, context, ready, enters, waits: offer & !taken }
     }
 
     fn distance(&self, jobs: &Jobs<'m>, outcome: &Outcome<'m>) -> Result<Outputs<'m>, UnitError> {
         let StepParameters { features, .. } = self.parameters.step;
-        let Outcome { ports, is_boxes, is_transform, tag, context, ready } = outcome;
+        let Outcome { ports, is_boxes, is_transform, tag, context, ready, .. } = outcome;
         let weights = [("u_num", "barycentric_v"), ("v_num", "barycentric_w")];
         let weights = weights.into_iter().filter(|(name, _)| features.has(name));
         let weights: Named<'m> = weights.map(|(name, port)| named(name, ports.port(port))).collect();

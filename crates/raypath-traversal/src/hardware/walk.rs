@@ -186,6 +186,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let slot = |context: Wire<'_>, level: Wire<'_>| m.concat(&[context, level.lower(slot_bits)]);
     let deepest = half.port("half_deepest");
     let half = delay_all(prefixed("half", half.under("half")));
+    let was_restarting = half.iter().find(|(name, _)| name == "half_state_restarting").map(|(_, wire)| *wire);
 
     m.section("The step is finished, and everything is written");
     let top_columns = ports_of::<Group<Binary32>>();
@@ -196,6 +197,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let top = top_columns.iter().map(|port| format!("top_{}", port.name)).zip(top);
     let done = Inputs::default().ports(half).ports(top).place(m, "u_finish", &finish_module(step)?);
     let next = done.under("next");
+    let restarts = next.iter().find(|(name, _)| name == "restarting").map(|(_, wire)| *wire);
+    let restarts = restarts.zip(was_restarting).map_or(finishes.wire(), |(is, was)| finishes.wire() & is & !was);
     let changed = next.iter().filter(|(name, _)| !is_of_ray(name));
     states.write(finishes.wire(), finished_context, &changed.map(|(_, wire)| *wire).collect::<Vec<_>>());
     let group: Vec<Wire<'_>> = done.under("request_group").into_iter().map(|(_, wire)| wire).collect();
@@ -218,6 +221,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.output("fetches_o", asks(request::FETCH));
     m.output("ends_o", finishes.wire() & (flush | is_asked(request::DONE)));
     m.output("context_o", finished_context);
+    m.output("steps_o", finishes.wire());
+    m.output("restarts_o", restarts);
     if let Some(is_tested) = is_tested {
         m.output("asks_o", asks(request::CANDIDATE));
         m.output("repeats_o", done.port("request_repeats"));

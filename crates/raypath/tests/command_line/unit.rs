@@ -37,10 +37,14 @@ fn the_unit_is_written_listed_and_checked() {
     let with_structures = of("raypath_unit_wrapper.f");
     let structured = ["rtl/raypath_unit_wrapper_pkg.sv", "rtl/raypath_unit_wrapper.sv"];
     assert_eq!(with_structures, format!("{list}{}\n", structured.join("\n")));
-    let listed = [&listed[..], &structured].concat();
+    let of_device = ["device_registers", "rings", "device"].map(|name| format!("rtl/raypath_{name}.sv"));
+    let device = with_axi.replace("rtl/raypath_unit_axi.sv\n", &(of_device.join("\n") + "\n"));
+    assert_eq!(of("raypath_device.f"), device);
+    let listed: Vec<&str> = listed.into_iter().chain(structured).chain(of_device.iter().map(String::as_str)).collect();
     assert_eq!(listed.iter().copied().collect::<BTreeSet<_>>(), modules);
     assert_eq!(listed.len(), modules.len(), "a module is listed twice");
-    let of_axi = ["cache", "axi_reader", "unit_axi"].map(|name| format!("rtl/raypath_{name}.sv\n"));
+    let of_axi = ["arbiter", "cache", "cluster", "guard", "axi_reader", "unit_axi"]
+        .map(|name| format!("rtl/raypath_{name}.sv\n"));
     assert_eq!(with_axi, list.clone() + &of_axi.concat());
     assert_eq!(list.lines().last(), Some("rtl/raypath_unit.sv"));
     for manifest in ["raypath_unit.core", "Bender.yml"] {
@@ -163,10 +167,12 @@ fn instances_on_the_command_line() {
     let said = page::succeeds(&[&["generate", "--unit"], &everything[..], &more[..]].concat());
     assert!(said.contains("50 instances") && said.contains("\n0 mismatches between netlist"), "{said}");
     let emitted = folder.path().join("everything");
-    let list = std::fs::read_to_string(emitted.join("raypath_unit_axi.f")).expect("a list");
-    let paths: Vec<PathBuf> = list.lines().map(|name| emitted.join(name)).collect();
-    lint_verilator(&paths, "raypath_unit_axi", &[]).expect("no report of Verilator");
-    lint_slang(&paths).expect("no report of slang");
+    for top in ["raypath_unit_axi", "raypath_device"] {
+        let list = std::fs::read_to_string(emitted.join(format!("{top}.f"))).expect("a list");
+        let paths: Vec<PathBuf> = list.lines().map(|name| emitted.join(name)).collect();
+        lint_verilator(&paths, top, &[]).expect("no report of Verilator");
+        lint_slang(&paths).expect("no report of slang");
+    }
     let list = std::fs::read_to_string(emitted.join("raypath_unit_wrapper.f")).expect("a list");
     let paths: Vec<PathBuf> = list.lines().map(|name| emitted.join(name)).collect();
     lint_verilator(&paths, "raypath_unit_wrapper", &[]).expect("no report of Verilator");

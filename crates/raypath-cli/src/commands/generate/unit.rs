@@ -44,7 +44,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         out,
         "Wrote {modules} modules to {folder}/rtl, listed in {folder}/{prefix}_unit.f, with the AXI4 wrapper"
     )?;
-    writeln!(out, "{prefix}_unit_axi in {folder}/{prefix}_unit_axi.f, and with structures {prefix}_unit_wrapper")?;
+    writeln!(out, "{prefix}_unit_axi in {folder}/{prefix}_unit_axi.f, the device with registers and rings")?;
+    writeln!(out, "{prefix}_device in {folder}/{prefix}_device.f, and with structures {prefix}_unit_wrapper")?;
     writeln!(out, "in {folder}/{prefix}_unit_wrapper.f; all but the wrappers to {folder}/{prefix}_unit.sv,")?;
     writeln!(out, "and without structures to {folder}/{prefix}_unit_plain.sv; assertions to")?;
     writeln!(out, "{folder}/{prefix}_properties.sv; for FuseSoC and Bender: {folder}/{prefix}_unit.core and")?;

@@ -47,6 +47,9 @@ rtl/raypath_unit_finish.sv
 rtl/raypath_unit_walk.sv
 rtl/raypath_unit_hits.sv
 rtl/raypath_unit.sv
+rtl/raypath_arbiter.sv
 rtl/raypath_cache.sv
+rtl/raypath_cluster.sv
+rtl/raypath_guard.sv
 rtl/raypath_axi_reader.sv
 rtl/raypath_unit_axi.sv

@@ -10,21 +10,25 @@ create_clock -name clk_i -period 12 [get_ports clk_i]
 
 # Inputs come from registers of this clock, and so does the release of the reset.
 set raypath_inputs {
-  rst_ni flush_i node_limit_i[*] ray_valid_i
-  ray_id_i[*] ray_flags_i[*] ray_root_i[*] ray_origin_x_i[*]
-  ray_origin_y_i[*] ray_origin_z_i[*] ray_dir_x_i[*] ray_dir_y_i[*]
-  ray_dir_z_i[*] ray_tmin_i[*] ray_tmax_i[*] hit_ready_i
-  invalidate_i m_axi_arready m_axi_rid[*] m_axi_rdata[*]
-  m_axi_rresp[*] m_axi_rlast m_axi_rvalid
+  rst_ni m_axi_arready m_axi_rid[*] m_axi_rdata[*]
+  m_axi_rresp[*] m_axi_rlast m_axi_rvalid flush_i
+  node_limit_i[*] ray_valid_i ray_id_i[*] ray_flags_i[*]
+  ray_root_i[*] ray_origin_x_i[*] ray_origin_y_i[*] ray_origin_z_i[*]
+  ray_dir_x_i[*] ray_dir_y_i[*] ray_dir_z_i[*] ray_tmin_i[*]
+  ray_tmax_i[*] hit_ready_i invalidate_i
 }
 # Outputs go to registers of this clock.
 set raypath_outputs {
   idle_o busy_o ray_ready_o hit_valid_o
   hit_id_o[*] hit_status_o[*] hit_t_o[*] hit_primitive_o[*]
   hit_t_num_o[*] hit_t_denom_o[*] hit_back_face_o hit_nodes_o[*]
-  hit_triangles_o[*] m_axi_arid[*] m_axi_araddr[*] m_axi_arlen[*]
-  m_axi_arsize[*] m_axi_arburst[*] m_axi_arlock m_axi_arcache[*]
-  m_axi_arprot[*] m_axi_arqos[*] m_axi_arvalid m_axi_rready
+  hit_triangles_o[*] count_boxes_o count_triangles_o count_transforms_o
+  count_steps_o count_fetches_o count_rays_o count_restarts_o
+  count_job_stalls_o count_candidates_o count_cache_hits_o count_cache_merges_o
+  count_cache_misses_o timed_out_o m_axi_arid[*] m_axi_araddr[*]
+  m_axi_arlen[*] m_axi_arsize[*] m_axi_arburst[*] m_axi_arlock
+  m_axi_arcache[*] m_axi_arprot[*] m_axi_arqos[*] m_axi_aruser
+  m_axi_arvalid m_axi_rready
 }
 
 # Set-up: the logic outside has 30 % of the period before an input.

@@ -21,8 +21,8 @@
 module raypath_unit (
   input  logic         clk_i,
   input  logic         rst_ni,
-  input  logic         flush_i,          // all rays are dropped, until idle_o is 1
-  input  logic [31:0]  node_limit_i,     // the nodes that a ray may read; 0: any number
+  input  logic         flush_i,             // all rays are dropped, until idle_o is 1
+  input  logic [31:0]  node_limit_i,        // the nodes that a ray may read; 0: any number
   output logic         idle_o,
   output logic         busy_o,
   // A ray enters where valid and ready are 1.
@@ -61,7 +61,17 @@ module raypath_unit (
   input  logic [5:0]   mem_rsp_tag_i,
   input  logic         mem_rsp_error_i,
   input  logic [511:0] mem_rsp_data_i,
-  output logic         mem_rsp_ready_o
+  output logic         mem_rsp_ready_o,
+  // Events of the cycle, for counters.
+  output logic         count_boxes_o,
+  output logic         count_triangles_o,
+  output logic         count_transforms_o,
+  output logic         count_steps_o,
+  output logic         count_fetches_o,
+  output logic         count_rays_o,
+  output logic         count_restarts_o,
+  output logic         count_job_stalls_o,
+  output logic         count_candidates_o
 );
 
   logic        flushes_q;
@@ -296,6 +306,8 @@ module raypath_unit (
   logic        datapath_triangle_hit;
   logic        is_boxes;
   logic [5:0]  outcome_context;
+  logic        job_enters;
+  logic        other_enters;
   logic        distance_ready;
 
   assign outcome_ready = is_boxes | distance_ready;
@@ -338,6 +350,8 @@ module raypath_unit (
 
   assign is_boxes        = datapath_opcode == raypath_pkg::OpQuadbox;
   assign outcome_context = datapath_tag[8:3];
+  assign job_enters      = issue_offer & datapath_input_ready;
+  assign other_enters    = job_enters & ~issue_is_node;
 
   // ---- Distances of triangles -----------------------------------------------
   logic        distance_valid;
@@ -396,8 +410,9 @@ module raypath_unit (
     .begin_any_hit_i (rays_begin_any_hit), .block_taken_o (walk_block_taken),
     .fault_taken_o (walk_fault_taken), .start_taken_o (walk_start_taken), .read_o (walk_read),
     .read_context_o (walk_read_context), .fetches_o (walk_fetches), .ends_o (walk_ends),
-    .context_o (walk_context), .block_o (walk_block), .count_o (walk_count),
-    .status_o (walk_status), .next_extent_o (walk_next_extent), .next_t_num_o (walk_next_t_num),
+    .context_o (walk_context), .steps_o (count_steps_o), .restarts_o (count_restarts_o),
+    .block_o (walk_block), .count_o (walk_count), .status_o (walk_status),
+    .next_extent_o (walk_next_extent), .next_t_num_o (walk_next_t_num),
     .next_t_denom_o (walk_next_t_denom), .next_back_face_o (walk_next_back_face),
     .next_primitive_o (walk_next_primitive), .next_nodes_o (walk_next_nodes),
     .next_triangles_o (walk_next_triangles)
@@ -428,11 +443,18 @@ module raypath_unit (
   assign idle = rays_is_idle & ~hits_valid;
 
   // ---- Outputs --------------------------------------------------------------
-  assign idle_o          = idle;
-  assign busy_o          = ~idle;
-  assign ray_ready_o     = rays_ready & ~flushes_q;
-  assign hit_valid_o     = hits_valid & ~flushes_q;
-  assign mem_req_addr_o  = {requests_block, 7'd0};
-  assign mem_rsp_ready_o = 1'b1;
+  assign idle_o             = idle;
+  assign busy_o             = ~idle;
+  assign ray_ready_o        = rays_ready & ~flushes_q;
+  assign hit_valid_o        = hits_valid & ~flushes_q;
+  assign mem_req_addr_o     = {requests_block, 7'd0};
+  assign mem_rsp_ready_o    = 1'b1;
+  assign count_boxes_o      = job_enters & issue_is_node;
+  assign count_triangles_o  = other_enters;
+  assign count_transforms_o = 1'b0;
+  assign count_fetches_o    = walk_fetches;
+  assign count_rays_o       = walk_ends;
+  assign count_job_stalls_o = issue_offer & ~datapath_input_ready;
+  assign count_candidates_o = 1'b0;
 
 endmodule : raypath_unit

@@ -4,110 +4,182 @@
 // division in 11 cycles; datapath: lanes none, rules paper, tag 9, culling none, facing true,
 // conservative true.
 //
-// raypath_unit with an AXI4 read master as its memory port.
+// A traversal unit, or a cluster of them, with an AXI4 read master as its memory port.
 // A block is a burst of 2 beats of 64 bytes; its id is the context, 6 bits.
-// With a cache, a line is a burst.
+// With caches, a line is a burst.
 
 module raypath_unit_axi #(
-  // The sets of the cache of blocks, a power of two; 0 for none. Its ways, the lines that it
-  // fetches at a time, and the bytes of a line: a block, or 2 or 4.
-  parameter logic [31:0] CacheSets      = 0,
-  parameter logic [31:0] CacheWays      = 4,
-  parameter logic [31:0] CacheMisses    = 8,
-  parameter logic [31:0] CacheLineBytes = 128,
+  // Units, each with a cache of its own: its sets, a power of two, or 0 for none; its ways, the
+  // lines that it fetches at a time, and the bytes of a line: a block, or 2 or 4.
+  parameter  logic [31:0]            Units          = 1,
+  parameter  logic [31:0]            CacheSets      = 0,
+  parameter  logic [31:0]            CacheWays      = 4,
+  parameter  logic [31:0]            CacheMisses    = 8,
+  parameter  logic [31:0]            CacheLineBytes = 128,
+  // The cycles without a beat that the memory may owe one; 0 for any number.
+  parameter  logic [31:0]            Timeout        = 0,
   // Attributes of reads: normal memory, bufferable, not secure.
-  parameter logic [3:0]  ArCache        = 4'b0011,
-  parameter logic [2:0]  ArProt         = 3'b010,
-  parameter logic [3:0]  ArQos          = 4'b0000
+  parameter  logic [3:0]             ArCache        = 4'b0011,
+  parameter  logic [2:0]             ArProt         = 3'b010,
+  parameter  logic [3:0]             ArQos          = 4'b0000,
+  parameter  logic [31:0]            ArUserWidth    = 1,
+  parameter  logic [ArUserWidth-1:0] ArUser         = '0,
+  localparam logic [31:0]            AddressWidth   = 32,
+  localparam logic [31:0]            DataWidth      = 512,
+  localparam logic [31:0]            UnitWidth      = $clog2(Units),
+  localparam logic [31:0]            ContextWidth   = 6,
+  localparam logic [31:0]            LowerWidth     = (CacheSets == 0) ? ContextWidth
+                                                    : $clog2(CacheMisses),
+  localparam logic [31:0]            TagWidth       = UnitWidth + LowerWidth
 ) (
-  input  logic         clk_i,
-  input  logic         rst_ni,
-  input  logic         flush_i,
-  input  logic [31:0]  node_limit_i,
-  input  logic         invalidate_i,     // the cache forgets all lines
-  output logic         idle_o,
-  output logic         busy_o,
+  input  logic                   clk_i,
+  input  logic                   rst_ni,
+  input  logic                   flush_i,
+  input  logic [31:0]            node_limit_i,
+  input  logic                   invalidate_i,
+  output logic                   idle_o,
+  output logic                   busy_o,
+  output logic                   timed_out_o,
   // A ray enters where valid and ready are 1.
-  input  logic         ray_valid_i,
-  input  logic [15:0]  ray_id_i,
-  input  logic [9:0]   ray_flags_i,
-  input  logic [31:0]  ray_root_i,
-  input  logic [31:0]  ray_origin_x_i,
-  input  logic [31:0]  ray_origin_y_i,
-  input  logic [31:0]  ray_origin_z_i,
-  input  logic [31:0]  ray_dir_x_i,
-  input  logic [31:0]  ray_dir_y_i,
-  input  logic [31:0]  ray_dir_z_i,
-  input  logic [31:0]  ray_tmin_i,
-  input  logic [31:0]  ray_tmax_i,
-  output logic         ray_ready_o,
+  input  logic                   ray_valid_i,
+  input  logic [15:0]            ray_id_i,
+  input  logic [9:0]             ray_flags_i,
+  input  logic [31:0]            ray_root_i,
+  input  logic [31:0]            ray_origin_x_i,
+  input  logic [31:0]            ray_origin_y_i,
+  input  logic [31:0]            ray_origin_z_i,
+  input  logic [31:0]            ray_dir_x_i,
+  input  logic [31:0]            ray_dir_y_i,
+  input  logic [31:0]            ray_dir_z_i,
+  input  logic [31:0]            ray_tmin_i,
+  input  logic [31:0]            ray_tmax_i,
+  output logic                   ray_ready_o,
   // The hit of a ray that has ended, in the order of the ends; it stays until ready is 1.
-  input  logic         hit_ready_i,
-  output logic         hit_valid_o,
-  output logic [15:0]  hit_id_o,
-  output logic [2:0]   hit_status_o,
-  output logic [31:0]  hit_t_o,
-  output logic [31:0]  hit_primitive_o,
-  output logic [31:0]  hit_t_num_o,
-  output logic [31:0]  hit_t_denom_o,
-  output logic         hit_back_face_o,
-  output logic [31:0]  hit_nodes_o,
-  output logic [31:0]  hit_triangles_o,
+  input  logic                   hit_ready_i,
+  output logic                   hit_valid_o,
+  output logic [15:0]            hit_id_o,
+  output logic [2:0]             hit_status_o,
+  output logic [31:0]            hit_t_o,
+  output logic [31:0]            hit_primitive_o,
+  output logic [31:0]            hit_t_num_o,
+  output logic [31:0]            hit_t_denom_o,
+  output logic                   hit_back_face_o,
+  output logic [31:0]            hit_nodes_o,
+  output logic [31:0]            hit_triangles_o,
+  // Events of the cycle, for counters.
+  output logic [Units-1:0]       count_boxes_o,
+  output logic [Units-1:0]       count_triangles_o,
+  output logic [Units-1:0]       count_transforms_o,
+  output logic [Units-1:0]       count_steps_o,
+  output logic [Units-1:0]       count_fetches_o,
+  output logic [Units-1:0]       count_rays_o,
+  output logic [Units-1:0]       count_restarts_o,
+  output logic [Units-1:0]       count_job_stalls_o,
+  output logic [Units-1:0]       count_candidates_o,
+  output logic [Units-1:0]       count_cache_hits_o,
+  output logic [Units-1:0]       count_cache_merges_o,
+  output logic [Units-1:0]       count_cache_misses_o,
   // The AXI4 channel of read addresses.
-  input  logic         m_axi_arready,
-  output logic [5:0]   m_axi_arid,
-  output logic [31:0]  m_axi_araddr,
-  output logic [7:0]   m_axi_arlen,
-  output logic [2:0]   m_axi_arsize,
-  output logic [1:0]   m_axi_arburst,
-  output logic         m_axi_arlock,
-  output logic [3:0]   m_axi_arcache,
-  output logic [2:0]   m_axi_arprot,
-  output logic [3:0]   m_axi_arqos,
-  output logic         m_axi_arvalid,
+  input  logic                   m_axi_arready,
+  output logic [TagWidth-1:0]    m_axi_arid,
+  output logic [31:0]            m_axi_araddr,
+  output logic [7:0]             m_axi_arlen,
+  output logic [2:0]             m_axi_arsize,
+  output logic [1:0]             m_axi_arburst,
+  output logic                   m_axi_arlock,
+  output logic [3:0]             m_axi_arcache,
+  output logic [2:0]             m_axi_arprot,
+  output logic [3:0]             m_axi_arqos,
+  output logic [ArUserWidth-1:0] m_axi_aruser,
+  output logic                   m_axi_arvalid,
   // The AXI4 channel of read data.
-  input  logic [5:0]   m_axi_rid,
-  input  logic [511:0] m_axi_rdata,
-  input  logic [1:0]   m_axi_rresp,
-  input  logic         m_axi_rlast,
-  input  logic         m_axi_rvalid,
-  output logic         m_axi_rready
+  input  logic [TagWidth-1:0]    m_axi_rid,
+  input  logic [511:0]           m_axi_rdata,
+  input  logic [1:0]             m_axi_rresp,
+  input  logic                   m_axi_rlast,
+  input  logic                   m_axi_rvalid,
+  output logic                   m_axi_rready
 );
 
-  logic mem_req_valid;
-  logic mem_req_ready;
-  logic [31:0] mem_req_addr;
-  logic [5:0] mem_req_tag;
-  logic mem_rsp_valid;
-  logic unused_mem_rsp_ready;
-  logic [5:0] mem_rsp_tag;
-  logic mem_rsp_error;
-  logic [511:0] mem_rsp_data;
+  localparam logic [31:0] BurstBytes = (CacheSets == 0) ? 128 : CacheLineBytes;
 
-  raypath_unit u_unit (
-    .clk_i, .rst_ni, .flush_i, .node_limit_i, .ray_valid_i, .ray_id_i, .ray_flags_i, .ray_root_i,
-    .ray_origin_x_i, .ray_origin_y_i, .ray_origin_z_i, .ray_dir_x_i, .ray_dir_y_i, .ray_dir_z_i,
-    .ray_tmin_i, .ray_tmax_i, .hit_ready_i, .idle_o, .busy_o, .ray_ready_o, .hit_valid_o,
-    .hit_id_o, .hit_status_o, .hit_t_o, .hit_primitive_o, .hit_t_num_o, .hit_t_denom_o,
-    .hit_back_face_o, .hit_nodes_o, .hit_triangles_o,
+  logic                    mem_req_valid;
+  logic                    mem_req_ready;
+  logic [AddressWidth-1:0] mem_req_addr;
+  logic [TagWidth-1:0]     mem_req_tag;
+  logic                    mem_rsp_valid;
+  logic                    unused_mem_rsp_ready;
+  logic [TagWidth-1:0]     mem_rsp_tag;
+  logic                    mem_rsp_error;
+  logic [DataWidth-1:0]    mem_rsp_data;
+  logic                    req_valid;
+  logic                    req_ready;
+  logic [AddressWidth-1:0] req_addr;
+  logic [TagWidth-1:0]     req_tag;
+  logic                    rsp_valid;
+  logic                    rsp_ready;
+  logic [TagWidth-1:0]     rsp_tag;
+  logic                    rsp_error;
+  logic [DataWidth-1:0]    rsp_data;
+
+  raypath_cluster #(
+    .Units (Units), .CacheSets (CacheSets), .CacheWays (CacheWays), .CacheMisses (CacheMisses),
+    .CacheLineBytes (CacheLineBytes)
+  ) u_cluster (
+    .clk_i, .rst_ni, .flush_i, .node_limit_i, .ray_valid_i, .ray_id_i, .ray_flags_i,
+    .ray_root_i, .ray_origin_x_i, .ray_origin_y_i, .ray_origin_z_i, .ray_dir_x_i, .ray_dir_y_i,
+    .ray_dir_z_i, .ray_tmin_i, .ray_tmax_i, .hit_ready_i, .invalidate_i, .idle_o, .busy_o,
+    .ray_ready_o, .hit_valid_o, .hit_id_o, .hit_status_o, .hit_t_o, .hit_primitive_o,
+    .hit_t_num_o, .hit_t_denom_o, .hit_back_face_o, .hit_nodes_o, .hit_triangles_o,
+    .count_boxes_o, .count_triangles_o, .count_transforms_o, .count_steps_o, .count_fetches_o,
+    .count_rays_o, .count_restarts_o, .count_job_stalls_o, .count_candidates_o,
+    .count_cache_hits_o, .count_cache_merges_o, .count_cache_misses_o,
     .mem_req_valid_o (mem_req_valid), .mem_req_ready_i (mem_req_ready),
     .mem_req_addr_o (mem_req_addr), .mem_req_tag_o (mem_req_tag), .mem_rsp_valid_i (mem_rsp_valid),
     .mem_rsp_ready_o (unused_mem_rsp_ready), .mem_rsp_tag_i (mem_rsp_tag),
     .mem_rsp_error_i (mem_rsp_error), .mem_rsp_data_i (mem_rsp_data)
   );
 
+  if (Timeout == 0) begin : g_patient
+    assign req_valid     = mem_req_valid;
+    assign req_addr      = mem_req_addr;
+    assign req_tag       = mem_req_tag;
+    assign mem_req_ready = req_ready;
+    assign mem_rsp_valid = rsp_valid;
+    assign mem_rsp_tag   = rsp_tag;
+    assign mem_rsp_error = rsp_error;
+    assign mem_rsp_data  = rsp_data;
+    assign rsp_ready     = 1'b1;
+    assign timed_out_o   = 1'b0;
+  end else begin : g_guard
+    logic unused_idle;
+
+    raypath_guard #(
+      .AddressWidth (AddressWidth), .DataWidth (DataWidth), .BurstBytes (BurstBytes),
+    .TagWidth (TagWidth)
+    ) u_guard (
+      .clk_i, .rst_ni, .first_i ('0), .end_i ({1'b1, AddressWidth'(0)}), .timeout_i (Timeout),
+      .clear_i (1'b1), .timed_out_o, .idle_o (unused_idle), .req_valid_i (mem_req_valid),
+      .req_addr_i (mem_req_addr), .req_tag_i (mem_req_tag), .req_ready_o (mem_req_ready),
+      .rsp_valid_o (mem_rsp_valid), .rsp_tag_o (mem_rsp_tag), .rsp_error_o (mem_rsp_error),
+      .rsp_data_o (mem_rsp_data), .mem_req_valid_o (req_valid), .mem_req_addr_o (req_addr),
+      .mem_req_tag_o (req_tag), .mem_req_ready_i (req_ready), .mem_rsp_valid_i (rsp_valid),
+      .mem_rsp_tag_i (rsp_tag), .mem_rsp_error_i (rsp_error), .mem_rsp_data_i (rsp_data),
+      .mem_rsp_ready_o (rsp_ready)
+    );
+  end
+
   raypath_axi_reader #(
-    .AddressWidth (32), .DataWidth (512), .BlockBytes (128),
-    .Requesters (64), .CacheSets (CacheSets), .CacheWays (CacheWays),
-    .CacheMisses (CacheMisses), .CacheLineBytes (CacheLineBytes), .ArCache (ArCache),
-    .ArProt (ArProt), .ArQos (ArQos)
+    .AddressWidth (AddressWidth), .DataWidth (DataWidth), .BurstBytes (BurstBytes),
+    .IdWidth (TagWidth), .ArCache (ArCache), .ArProt (ArProt), .ArQos (ArQos),
+    .ArUserWidth (ArUserWidth), .ArUser (ArUser)
   ) u_reader (
-    .clk_i, .rst_ni, .invalidate_i, .req_valid_i (mem_req_valid), .req_addr_i (mem_req_addr),
-    .req_tag_i (mem_req_tag), .req_ready_o (mem_req_ready), .rsp_valid_o (mem_rsp_valid),
-    .rsp_tag_o (mem_rsp_tag), .rsp_error_o (mem_rsp_error), .rsp_data_o (mem_rsp_data),
+    .req_valid_i (req_valid), .req_addr_i (req_addr), .req_tag_i (req_tag),
+    .req_ready_o (req_ready), .rsp_valid_o (rsp_valid), .rsp_tag_o (rsp_tag),
+    .rsp_error_o (rsp_error), .rsp_data_o (rsp_data), .rsp_ready_i (rsp_ready),
     .m_axi_arready, .m_axi_arvalid, .m_axi_arid, .m_axi_araddr, .m_axi_arlen, .m_axi_arsize,
-    .m_axi_arburst, .m_axi_arlock, .m_axi_arcache, .m_axi_arprot, .m_axi_arqos, .m_axi_rvalid,
-    .m_axi_rid, .m_axi_rdata, .m_axi_rresp, .m_axi_rlast, .m_axi_rready
+    .m_axi_arburst, .m_axi_arlock, .m_axi_arcache, .m_axi_arprot, .m_axi_arqos, .m_axi_aruser,
+    .m_axi_rvalid, .m_axi_rid, .m_axi_rdata, .m_axi_rresp, .m_axi_rlast, .m_axi_rready
   );
 
 endmodule : raypath_unit_axi

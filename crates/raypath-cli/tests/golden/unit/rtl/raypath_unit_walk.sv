@@ -52,6 +52,8 @@ module raypath_unit_walk (
   output logic        fetches_o,
   output logic        ends_o,
   output logic [5:0]  context_o,
+  output logic        steps_o,
+  output logic        restarts_o,
   output logic [24:0] block_o,
   output logic [1:0]  count_o,
   output logic [2:0]  status_o,
@@ -540,6 +542,8 @@ module raypath_unit_walk (
   assign ends_o           = finishes_q & (flush_i | (finish_request_kind ==
       raypath_unit_pkg::RequestDone));
   assign context_o        = finished_context_q;
+  assign steps_o          = finishes_q;
+  assign restarts_o       = finishes_q & finish_next_restarting & ~half_state_restarting_q;
   assign block_o          = finish_request_address[31:7];
   assign next_extent_o    = finish_next_extent;
   assign next_t_num_o     = finish_next_t_num;

@@ -48,4 +48,16 @@ package raypath_unit_wrapper_pkg;
     logic [511:0] data;
   } mem_rsp_t;
 
+  typedef struct packed {
+    logic boxes;
+    logic triangles;
+    logic transforms;
+    logic steps;
+    logic fetches;
+    logic rays;
+    logic restarts;
+    logic job_stalls;
+    logic candidates;
+  } count_t;
+
 endpackage : raypath_unit_wrapper_pkg
