@@ -138,7 +138,7 @@ module raypath_device #(
     .config_address_bits_i (6'd@UPPER@), .memory_bytes_i (BeatBytes), .cache_bytes_i (CacheBytes),
     .status_idle_i (is_idle), .status_busy_i (~is_idle), .status_memory_timed_out_i (timed_out),
     .status_error_i (error), .ray_head_i (ray_head), .hit_tail_i (hit_tail),
-    .interrupt_status_hits_i (unread != 32'd0 && unread >= interrupt_hits),
+    .interrupt_status_hits_i (enable && unread != 32'd0 && unread >= interrupt_hits),
     .interrupt_status_error_i (error != 4'd0), .interrupt_status_drained_i (drained),
     .count_cycles_i (1'b1),
     @COUNT_INPUTS@
