@@ -1,0 +1,206 @@
+"""A LiteX system with a VexRiscv, memory and `raypath_device`: python3 soc.py --help."""
+
+import argparse
+import pathlib
+import re
+import struct
+import subprocess
+import sys
+
+from litex.build.generic_platform import Pins, Subsignal
+from litex.build.io import CRG
+from litex.build.sim import SimPlatform
+from litex.build.sim.config import SimConfig
+from litex.gen import LiteXModule
+from litex.soc import software
+from litex.soc.cores.cpu import vexriscv
+from litex.soc.integration.builder import Builder
+from litex.soc.integration.common import get_mem_data
+from litex.soc.integration.soc import SoCRegion
+from litex.soc.integration.soc_core import SoCCore
+from litex.soc.interconnect import axi
+from litex_boards.platforms import radiona_ulx3s
+from migen import ClockSignal, Instance, ResetSignal, Signal
+
+SOFTWARE = pathlib.Path(software.__path__[0])
+HERE = pathlib.Path(__file__).resolve().parent
+RAM = 0x4000_0000
+DEVICE = 0xB000_0000  # in the CPU's uncached half
+
+
+class Interrupt:
+    """What LiteX expects of a module with an interrupt: `ev.irq`."""
+
+    def __init__(self):
+        self.irq = Signal()
+
+
+class Raypath(LiteXModule):
+    """`raypath_device`: `registers` is its slave, `memory` its master, `ev.irq` its interrupt."""
+
+    def __init__(self, platform, folder):
+        text = (folder / "rtl/raypath_device.sv").read_text()
+        width = lambda port: int(re.search(rf"\[(\d+):0\]\s*{port}\b", text)[1]) + 1
+        self.registers = axi.AXILiteInterface(data_width=32, address_width=32)
+        self.memory = axi.AXIInterface(
+            data_width=width("m_axi_rdata"),
+            address_width=32,
+            id_width=max(width("m_axi_arid"), 1),
+            bursting=True,
+        )
+        self.ev = Interrupt()
+        ports = {
+            "i_clk_i": ClockSignal(),
+            "i_rst_ni": ~ResetSignal(),
+            "o_irq_o": self.ev.irq,
+        }
+
+        def connect(prefix, channel, fields, to_device):
+            """The ports of a channel; `to_device` tells where its `valid` goes."""
+            for field in ("valid", "ready", *fields):
+                direction = "i" if to_device != (field == "ready") else "o"
+                signal = getattr(channel, field)
+                if field == "addr":
+                    signal = signal[: width(prefix + "addr")]
+                ports[f"{direction}_{prefix}{field}"] = signal
+
+        address = ["addr", "prot"]
+        for name, fields, to_device in [
+            ("aw", address, True),
+            ("w", ["data", "strb"], True),
+            ("b", ["resp"], False),
+            ("ar", address, True),
+            ("r", ["data", "resp"], False),
+        ]:
+            connect(f"s_axi_{name}", getattr(self.registers, name), fields, to_device)
+        address = ["id", "addr", "len", "size", "burst", "lock", "cache", "prot", "qos"]
+        for name, fields, to_device in [
+            ("aw", address, False),
+            ("w", ["data", "strb", "last"], False),
+            ("b", ["id", "resp"], True),
+            ("ar", address, False),
+            ("r", ["id", "data", "resp", "last"], True),
+        ]:
+            connect(f"m_axi_{name}", getattr(self.memory, name), fields, to_device)
+        self.specials += Instance("raypath_device", **ports)
+        for line in (folder / "raypath_device.f").read_text().split():
+            platform.add_source(str(folder / line))
+
+
+class System(SoCCore):
+    """Processor, memory, serial line and device. The firmware is in the memory when the processor starts."""
+
+    def __init__(self, platform, clock, uart, folder):
+        self.folder = folder
+        self.crg = CRG(clock)
+        SoCCore.__init__(
+            self,
+            platform,
+            clk_freq=25e6,
+            cpu_type="vexriscv",
+            cpu_reset_address=RAM,
+            integrated_main_ram_size=256 * 1024,
+            integrated_sram_size=8192,
+            uart_name=uart,
+            with_timer=False,
+        )
+        self.raypath = Raypath(platform, folder)
+        self.bus.add_slave("raypath", self.raypath.registers, SoCRegion(DEVICE, 0x1000, cached=False))
+        self.bus.add_master("raypath", self.raypath.memory)
+        self.irq.add("raypath")
+
+    def build(self, *arguments, **options):
+        """Compiles the firmware as soon as its headers exist, and before the memory's content is written."""
+        build = pathlib.Path(self.builder.output_dir)
+        cpu = pathlib.Path(vexriscv.__file__).parent
+        image = build / "firmware.elf"
+        scene = (self.folder / "scene.bin").stat().st_size
+        (build / "rays.bin").write_bytes(rays(self.folder / "rays.txt"))
+        command = ["riscv64-unknown-elf-gcc", *self.cpu.gcc_flags.split(), "-Os", "-std=gnu11", "-ffreestanding"]
+        command += ["-Wall", "-Wextra", "-Werror", "-nostdlib", "-static", f"-Wl,-T,{HERE}/firmware/linker.ld"]
+        command += [f"-Wl,--defsym=SCENE_ALIGN={1 << (scene - 1).bit_length()}", f"-L{self.builder.generated_dir}"]
+        command += [f"-isystem{path}" for path in (self.builder.include_dir, SOFTWARE / "include", SOFTWARE, cpu)]
+        command += [f"-Wa,-I{build},-I{self.folder}", "-o", image, cpu / "crt0.S"]
+        command += sorted((HERE / "firmware").glob("*.[cS]"))
+        subprocess.run(command, check=True)
+        binary = image.with_suffix(".bin")
+        subprocess.run(["riscv64-unknown-elf-objcopy", "-O", "binary", image, binary], check=True)
+        self.init_ram("main_ram", get_mem_data(str(binary), endianness="little"))
+        return super().build(*arguments, **options)
+
+
+def rays(path):
+    """The rays of `raypath render --camera-rays`, as the firmware has them."""
+    lines = [line for line in path.read_text().splitlines() if line and not line.startswith("#")]
+    return b"".join(struct.pack("<7f", *map(float, line.split())) for line in lines)
+
+
+def hits(lines):
+    """The lines of `raypath render --hits` for those that the firmware writes, in the order of the rays."""
+    found = {}
+    for line in lines:
+        number, status, *words = (int(word, 16) for word in line.split()[1:])
+        if status & 0xFF == 0:
+            found[number] = "miss"
+        elif status & 0xFF == 1:
+            back = "b" * (status >> 8 & 1)
+            found[number] = f"{words[0]}{back} - - - " + " ".join(f"{word:08x}" for word in words[1:4])
+        else:
+            sys.exit(f"ray {number}: status {status & 0xFF}, expected 0 (miss) or 1 (hit)")
+    return [found[number] for number in sorted(found)]
+
+
+def simulate(folder):
+    """Builds the simulation, and returns what the firmware writes."""
+    platform = SimPlatform("SIM", [
+        ("sys_clk", 0, Pins(1)),
+        ("serial", 0, *(Subsignal(f"{end}_{name}", Pins(width)) for end in ("source", "sink")
+                        for name, width in (("valid", 1), ("ready", 1), ("data", 8)))),
+    ])
+    config = SimConfig()
+    config.add_clocker("sys_clk", freq_hz=25e6)
+    config.add_module("serial2console", "serial")
+    system = System(platform, platform.request("sys_clk"), "sim", folder)
+    build = folder / "soc"
+    Builder(system, output_dir=build).build(run=False, sim_config=config, opt_level="O1", interactive=False)
+    gateware = build / "gateware"
+    with open(build / "verilator.log", "w") as log:
+        if subprocess.run(["bash", "build_sim.sh"], cwd=gateware, stdout=log, stderr=log).returncode:
+            sys.exit(f"Verilator failed: {log.name}")
+    with subprocess.Popen(
+        [gateware / "obj_dir/Vsim"], cwd=gateware, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as simulation:
+        lines = []
+        for line in simulation.stdout:
+            lines.append(line)
+            if line.startswith("end"):
+                break
+        simulation.terminate()
+    return lines
+
+
+def ulx3s(folder):
+    """Builds the bitstream, and returns the clock that it reaches."""
+    platform = radiona_ulx3s.Platform(device="LFE5U-85F", toolchain="trellis")
+    system = System(platform, platform.request("clk25"), "serial", folder)
+    build = folder / "ulx3s"
+    Builder(system, output_dir=build).build(build_name="ulx3s", abc9=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=pathlib.Path, help="files of `raypath generate --unit`, scene.bin, rays.txt")
+    parser.add_argument("--board", choices=["sim", "ulx3s"], default="sim")
+    options = parser.parse_args()
+    folder = options.folder.resolve()
+    if options.board == "ulx3s":
+        ulx3s(folder)
+    else:
+        lines = simulate(folder)
+        sys.stdout.writelines(line for line in lines if not line.startswith("hit"))
+        found = hits(line for line in lines if line.startswith("hit"))
+        (folder / "soc-hits.txt").write_text("\n".join(found) + "\n")
+
+
+if __name__ == "__main__":
+    main()
