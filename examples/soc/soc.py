@@ -1,6 +1,7 @@
 """A LiteX system with a VexRiscv, memory and `raypath_device`: python3 soc.py --help."""
 
 import argparse
+import os
 import pathlib
 import re
 import struct
@@ -116,13 +117,14 @@ class System(SoCCore):
         image = build / "firmware.elf"
         scene = (self.folder / "scene.bin").stat().st_size
         (build / "rays.bin").write_bytes(rays(self.folder / "rays.txt"))
-        command = ["riscv64-unknown-elf-gcc", *self.cpu.gcc_flags.split(), "-Os", "-std=gnu11", "-ffreestanding"]
+        command = ["riscv64-unknown-elf-gcc", "-march=rv32im", "-misa-spec=2.2", "-mabi=ilp32", "-Os", "-std=gnu11", "-ffreestanding"]
+        command += ["-fno-tree-loop-distribute-patterns"]  # else memcpy is a call of memcpy
         command += ["-Wall", "-Wextra", "-Werror", "-nostdlib", "-static", f"-Wl,-T,{HERE}/firmware/linker.ld"]
         command += [f"-Wl,--defsym=SCENE_ALIGN={1 << (scene - 1).bit_length()}", f"-L{self.builder.generated_dir}"]
-        command += [f"-isystem{path}" for path in (self.builder.include_dir, SOFTWARE / "include", SOFTWARE, cpu)]
-        command += [f"-Wa,-I{build},-I{self.folder}", "-o", image, cpu / "crt0.S"]
+        command += [f"-isystem{path}" for path in (HERE / "firmware", self.builder.include_dir, SOFTWARE / "include", SOFTWARE, cpu)]
+        command += [f"-I{HERE.parents[1]}/software", f"-Wa,-I{build},-I{self.folder}", "-o", image, cpu / "crt0.S"]
         command += sorted((HERE / "firmware").glob("*.[cS]"))
-        subprocess.run(command, check=True)
+        subprocess.run([*command, "-lgcc"], check=True)
         binary = image.with_suffix(".bin")
         subprocess.run(["riscv64-unknown-elf-objcopy", "-O", "binary", image, binary], check=True)
         self.init_ram("main_ram", get_mem_data(str(binary), endianness="little"))
@@ -157,6 +159,7 @@ def simulate(folder):
         ("serial", 0, *(Subsignal(f"{end}_{name}", Pins(width)) for end in ("source", "sink")
                         for name, width in (("valid", 1), ("ready", 1), ("data", 8)))),
     ])
+    platform.add_source(str(HERE / "untraced.vlt"))
     config = SimConfig()
     config.add_clocker("sys_clk", freq_hz=25e6)
     config.add_module("serial2console", "serial")
@@ -180,11 +183,24 @@ def simulate(folder):
 
 
 def ulx3s(folder):
-    """Builds the bitstream, and returns the clock that it reaches."""
+    """Builds the bitstream. Returns what nextpnr says of the device's use and of the clock."""
     platform = radiona_ulx3s.Platform(device="LFE5U-85F", toolchain="trellis")
     system = System(platform, platform.request("clk25"), "serial", folder)
     build = folder / "ulx3s"
-    Builder(system, output_dir=build).build(build_name="ulx3s", abc9=True)
+    Builder(system, output_dir=build).build(run=False, build_name="ulx3s", abc9=True)
+    tools = build / "tools"
+    tools.mkdir(exist_ok=True)
+    for tool in ("yosys", "nextpnr-ecp5", "ecppack"):
+        (tools / tool).unlink(missing_ok=True)
+        (tools / tool).symlink_to(pathlib.Path(sys.executable).parent / f"yowasp-{tool}")
+    environment = {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"}
+    with open(build / "build.log", "w") as log:
+        command = ["bash", "build_ulx3s.sh"]
+        if subprocess.run(command, cwd=build / "gateware", env=environment, stdout=log, stderr=log).returncode:
+            sys.exit(f"the build failed: {log.name}")
+    text = (build / "build.log").read_text()
+    clock = re.findall(r"Max frequency for clock '([^']*)': ([\d.]+) MHz", text)
+    return re.findall(r"Info: \s*(\w+:\s*\d+/\s*\d+\s*\d+%)", text), clock
 
 
 def main():
@@ -194,7 +210,7 @@ def main():
     options = parser.parse_args()
     folder = options.folder.resolve()
     if options.board == "ulx3s":
-        ulx3s(folder)
+        print(*ulx3s(folder), sep="\n")
     else:
         lines = simulate(folder)
         sys.stdout.writelines(line for line in lines if not line.startswith("hit"))
