@@ -41,13 +41,13 @@ class Raypath(LiteXModule):
 
     def __init__(self, platform, folder):
         text = (folder / "rtl/raypath_device.sv").read_text()
-        width = lambda port: int(re.search(rf"\[(\d+):0\]\s*{port}\b", text)[1]) + 1
+        constant = lambda name: int(re.search(rf"\b{name} *= *(\d+)", text)[1])
+        if constant("AddressWidth") != 32:
+            sys.exit(f"AddressWidth of raypath_device: {constant('AddressWidth')}, expected 32, as LiteX's bus has")
         self.registers = axi.AXILiteInterface(data_width=32, address_width=32)
+        # An id is a context and a bit that says whether the read is of a ring.
         self.memory = axi.AXIInterface(
-            data_width=width("m_axi_rdata"),
-            address_width=32,
-            id_width=max(width("m_axi_arid"), 1),
-            bursting=True,
+            data_width=constant("DataWidth"), address_width=32, id_width=constant("ContextWidth") + 1, bursting=True
         )
         self.ev = Interrupt()
         ports = {
@@ -61,8 +61,8 @@ class Raypath(LiteXModule):
             for field in ("valid", "ready", *fields):
                 direction = "i" if to_device != (field == "ready") else "o"
                 signal = getattr(channel, field)
-                if field == "addr":
-                    signal = signal[: width(prefix + "addr")]
+                if field == "addr" and to_device:
+                    signal = signal[:12]
                 ports[f"{direction}_{prefix}{field}"] = signal
 
         address = ["addr", "prot"]
