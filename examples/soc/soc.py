@@ -1,12 +1,15 @@
 """A LiteX system with a VexRiscv, memory and `raypath_device`: python3 soc.py --help."""
 
 import argparse
+import itertools
+import logging
 import os
 import pathlib
 import re
 import struct
 import subprocess
 import sys
+import threading
 
 from litex.build.generic_platform import Pins, Subsignal
 from litex.build.io import CRG
@@ -27,6 +30,7 @@ SOFTWARE = pathlib.Path(software.__path__[0])
 HERE = pathlib.Path(__file__).resolve().parent
 RAM = 0x4000_0000
 DEVICE = 0xB000_0000  # in the CPU's uncached half
+LIMIT = 1200  # seconds of a simulation
 
 
 class Interrupt:
@@ -138,18 +142,27 @@ def rays(path):
 
 
 def hits(lines):
-    """The lines of `raypath render --hits` for those that the firmware writes, in the order of the rays."""
+    """The lines of `raypath render --hits`, without decimals, for those of the firmware: by the number of the ray."""
     found = {}
     for line in lines:
         number, status, *words = (int(word, 16) for word in line.split()[1:])
-        if status & 0xFF == 0:
-            found[number] = "miss"
-        elif status & 0xFF == 1:
-            back = "b" * (status >> 8 & 1)
-            found[number] = f"{words[0]}{back} - - - " + " ".join(f"{word:08x}" for word in words[1:4])
-        else:
-            sys.exit(f"ray {number}: status {status & 0xFF}, expected 0 (miss) or 1 (hit)")
-    return [found[number] for number in sorted(found)]
+        kind, back = status & 0xFF, "b" * (status >> 8 & 1)
+        bits = " ".join(f"{word:08x}" for word in words[1:])
+        found[number] = {0: "miss", 1: f"{words[0]}{back} - - - {bits}"}.get(kind, f"status {kind}")
+    return found
+
+
+def compare(folder, lines):
+    """Writes the hits to soc-hits.txt, and compares their bits with those of the model, in hits.txt."""
+    found = hits(lines)
+    model = [line.split() for line in (folder / "hits.txt").read_text().splitlines() if not line.startswith("#")]
+    for number, words in enumerate(model):
+        expected = " ".join([*words[:1], *["-"] * len(words[1:4]), *words[4:]])
+        if found.get(number) != expected:
+            sys.exit(f"ray {number}: {found.get(number, 'no hit')}, expected {expected}")
+    if len(found) != len(model):
+        sys.exit(f"{len(found)} hits, expected {len(model)}")
+    (folder / "soc-hits.txt").write_text("".join(f"{found[number]}\n" for number in range(len(model))))
 
 
 def simulate(folder):
@@ -165,7 +178,7 @@ def simulate(folder):
     config.add_module("serial2console", "serial")
     system = System(platform, platform.request("sys_clk"), "sim", folder)
     build = folder / "soc"
-    Builder(system, output_dir=build).build(run=False, sim_config=config, opt_level="O1", interactive=False)
+    Builder(system, output_dir=build).build(run=False, sim_config=config, opt_level="O1", jobs=os.cpu_count())
     gateware = build / "gateware"
     with open(build / "verilator.log", "w") as log:
         if subprocess.run(["bash", "build_sim.sh"], cwd=gateware, stdout=log, stderr=log).returncode:
@@ -173,12 +186,14 @@ def simulate(folder):
     with subprocess.Popen(
         [gateware / "obj_dir/Vsim"], cwd=gateware, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as simulation:
-        lines = []
-        for line in simulation.stdout:
-            lines.append(line)
-            if line.startswith("end"):
-                break
-        simulation.terminate()
+        limit = threading.Timer(LIMIT, simulation.kill)
+        limit.start()
+        lines = list(itertools.takewhile(lambda line: line != "end\n", simulation.stdout))
+        ended = limit.is_alive()
+        limit.cancel()
+        simulation.kill()
+    if not ended:
+        sys.exit(f"the firmware has not ended after {LIMIT} s")
     return lines
 
 
@@ -208,14 +223,14 @@ def main():
     parser.add_argument("folder", type=pathlib.Path, help="files of `raypath generate --unit`, scene.bin, rays.txt")
     parser.add_argument("--board", choices=["sim", "ulx3s"], default="sim")
     options = parser.parse_args()
+    logging.disable(logging.INFO)
     folder = options.folder.resolve()
     if options.board == "ulx3s":
         print(*ulx3s(folder), sep="\n")
     else:
         lines = simulate(folder)
-        sys.stdout.writelines(line for line in lines if not line.startswith("hit"))
-        found = hits(line for line in lines if line.startswith("hit"))
-        (folder / "soc-hits.txt").write_text("\n".join(found) + "\n")
+        sys.stdout.writelines(line for line in lines if not line.startswith(("hit", "[")))
+        compare(folder, [line for line in lines if line.startswith("hit")])
 
 
 if __name__ == "__main__":

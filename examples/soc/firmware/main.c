@@ -104,7 +104,8 @@ int main(void)
 	};
 	const uint32_t count = rays_end - rays;
 	uint32_t sent = 0, taken = 0;
-	raypath_device_ray ray = {.cull_mask = 0xff, .root = place(32)};
+	/* As `raypath render` has them: CullBackFacingTriangles. */
+	raypath_device_ray ray = {.flags = 0x10, .cull_mask = 0xff, .root = place(32)};
 	raypath_device_hit hit;
 
 	check(raypath_driver_open(&device, raypath_driver_mmio_read, raypath_driver_mmio_write, (void *)RAYPATH_BASE));
