@@ -10,6 +10,7 @@ import struct
 import subprocess
 import sys
 import threading
+import types
 
 from litex.build.generic_platform import Pins, Subsignal
 from litex.build.io import CRG
@@ -30,14 +31,11 @@ SOFTWARE = pathlib.Path(software.__path__[0])
 HERE = pathlib.Path(__file__).resolve().parent
 RAM = 0x4000_0000
 DEVICE = 0xB000_0000  # in the CPU's uncached half
+COMPILER = ["riscv64-unknown-elf-gcc", "-march=rv32im", "-misa-spec=2.2", "-mabi=ilp32", "-std=gnu11", "-Os"]
+COMPILER += ["-Wall", "-Wextra", "-Werror", "-ffreestanding", "-nostdlib", "-static"]
+COMPILER += ["-fno-tree-loop-distribute-patterns"]  # else the loop of memcpy becomes a call of memcpy
+CLOCK = 25e6  # the board's, without a PLL
 LIMIT = 1200  # seconds of a simulation
-
-
-class Interrupt:
-    """What LiteX expects of a module with an interrupt: `ev.irq`."""
-
-    def __init__(self):
-        self.irq = Signal()
 
 
 class Raypath(LiteXModule):
@@ -45,7 +43,10 @@ class Raypath(LiteXModule):
 
     def __init__(self, platform, folder):
         text = (folder / "rtl/raypath_device.sv").read_text()
-        constant = lambda name: int(re.search(rf"\b{name} *= *(\d+)", text)[1])
+
+        def constant(name):
+            return int(re.search(rf"\b{name} *= *(\d+)", text)[1])
+
         if constant("AddressWidth") != 32:
             sys.exit(f"AddressWidth of raypath_device: {constant('AddressWidth')}, expected 32, as LiteX's bus has")
         self.registers = axi.AXILiteInterface(data_width=32, address_width=32)
@@ -53,12 +54,8 @@ class Raypath(LiteXModule):
         self.memory = axi.AXIInterface(
             data_width=constant("DataWidth"), address_width=32, id_width=constant("ContextWidth") + 1, bursting=True
         )
-        self.ev = Interrupt()
-        ports = {
-            "i_clk_i": ClockSignal(),
-            "i_rst_ni": ~ResetSignal(),
-            "o_irq_o": self.ev.irq,
-        }
+        self.ev = types.SimpleNamespace(irq=Signal())  # where LiteX looks for an interrupt
+        ports = {"i_clk_i": ClockSignal(), "i_rst_ni": ~ResetSignal(), "o_irq_o": self.ev.irq}
 
         def connect(prefix, channel, fields, to_device):
             """The ports of a channel; `to_device` tells where its `valid` goes."""
@@ -101,7 +98,7 @@ class System(SoCCore):
         SoCCore.__init__(
             self,
             platform,
-            clk_freq=25e6,
+            clk_freq=CLOCK,
             cpu_type="vexriscv",
             cpu_reset_address=RAM,
             integrated_main_ram_size=256 * 1024,
@@ -111,6 +108,8 @@ class System(SoCCore):
         )
         self.raypath = Raypath(platform, folder)
         self.bus.add_slave("raypath", self.raypath.registers, SoCRegion(DEVICE, 0x1000, cached=False))
+        # LiteX's converter to 32 bits takes bursts of up to 1 KiB, and loses the rest of longer ones; the device's have
+        # at most 512 bytes. It answers OKAY to each, one after the other.
         self.bus.add_master("raypath", self.raypath.memory)
         self.irq.add("raypath")
 
@@ -121,13 +120,11 @@ class System(SoCCore):
         image = build / "firmware.elf"
         scene = (self.folder / "scene.bin").stat().st_size
         (build / "rays.bin").write_bytes(rays(self.folder / "rays.txt"))
-        command = ["riscv64-unknown-elf-gcc", "-march=rv32im", "-misa-spec=2.2", "-mabi=ilp32", "-Os", "-std=gnu11", "-ffreestanding"]
-        command += ["-fno-tree-loop-distribute-patterns"]  # else memcpy is a call of memcpy
-        command += ["-Wall", "-Wextra", "-Werror", "-nostdlib", "-static", f"-Wl,-T,{HERE}/firmware/linker.ld"]
-        command += [f"-Wl,--defsym=SCENE_ALIGN={1 << (scene - 1).bit_length()}", f"-L{self.builder.generated_dir}"]
-        command += [f"-isystem{path}" for path in (HERE / "firmware", self.builder.include_dir, SOFTWARE / "include", SOFTWARE, cpu)]
-        command += [f"-I{HERE.parents[1]}/software", f"-Wa,-I{build},-I{self.folder}", "-o", image, cpu / "crt0.S"]
-        command += sorted((HERE / "firmware").glob("*.[cS]"))
+        headers = [HERE / "firmware", self.builder.include_dir, SOFTWARE / "include", SOFTWARE, cpu]
+        command = [*COMPILER, *(f"-isystem{path}" for path in headers), f"-I{HERE.parents[1]}/software"]
+        command += [f"-Wl,-T,{HERE}/firmware/linker.ld", f"-L{self.builder.generated_dir}"]
+        command += [f"-Wl,--defsym=SCENE_ALIGN={1 << (scene - 1).bit_length()}", f"-Wa,-I{build},-I{self.folder}"]
+        command += ["-o", image, cpu / "crt0.S", *sorted((HERE / "firmware").glob("*.[cS]"))]
         subprocess.run([*command, "-lgcc"], check=True)
         binary = image.with_suffix(".bin")
         subprocess.run(["riscv64-unknown-elf-objcopy", "-O", "binary", image, binary], check=True)
@@ -167,14 +164,12 @@ def compare(folder, lines):
 
 def simulate(folder):
     """Builds the simulation, and returns what the firmware writes."""
-    platform = SimPlatform("SIM", [
-        ("sys_clk", 0, Pins(1)),
-        ("serial", 0, *(Subsignal(f"{end}_{name}", Pins(width)) for end in ("source", "sink")
-                        for name, width in (("valid", 1), ("ready", 1), ("data", 8)))),
-    ])
+    stream = [("valid", 1), ("ready", 1), ("data", 8)]
+    pads = [Subsignal(f"{end}_{name}", Pins(width)) for end in ("source", "sink") for name, width in stream]
+    platform = SimPlatform("SIM", [("sys_clk", 0, Pins(1)), ("serial", 0, *pads)])
     platform.add_source(str(HERE / "untraced.vlt"))
     config = SimConfig()
-    config.add_clocker("sys_clk", freq_hz=25e6)
+    config.add_clocker("sys_clk", freq_hz=CLOCK)
     config.add_module("serial2console", "serial")
     system = System(platform, platform.request("sys_clk"), "sim", folder)
     build = folder / "soc"
@@ -188,7 +183,7 @@ def simulate(folder):
     ) as simulation:
         limit = threading.Timer(LIMIT, simulation.kill)
         limit.start()
-        lines = list(itertools.takewhile(lambda line: line != "end\n", simulation.stdout))
+        lines = list(itertools.takewhile(lambda line: line != "end", map(str.strip, simulation.stdout)))
         ended = limit.is_alive()
         limit.cancel()
         simulation.kill()
@@ -198,7 +193,7 @@ def simulate(folder):
 
 
 def ulx3s(folder):
-    """Builds the bitstream. Returns what nextpnr says of the device's use and of the clock."""
+    """Builds the bitstream, and prints what it takes and the clock that it reaches."""
     platform = radiona_ulx3s.Platform(device="LFE5U-85F", toolchain="trellis")
     system = System(platform, platform.request("clk25"), "serial", folder)
     build = folder / "ulx3s"
@@ -214,23 +209,31 @@ def ulx3s(folder):
         if subprocess.run(command, cwd=build / "gateware", env=environment, stdout=log, stderr=log).returncode:
             sys.exit(f"the build failed: {log.name}")
     text = (build / "build.log").read_text()
-    clock = re.findall(r"Max frequency for clock '([^']*)': ([\d.]+) MHz", text)
-    return re.findall(r"Info: \s*(\w+:\s*\d+/\s*\d+\s*\d+%)", text), clock
+    for cell in ("TRELLIS_COMB", "TRELLIS_FF", "DP16KD", "MULT18X18D"):
+        used, all_ = re.search(rf"{cell}: *(\d+)/ *(\d+)", text).groups()
+        print(f"{cell:12} {used:>6} of {all_}")
+    # LiteX lets nextpnr end well with a clock that is too slow. The last line is of the routed design.
+    reached = float(re.findall(r"Max frequency for clock '[^']*clk25[^']*': ([\d.]+) MHz", text)[-1])
+    print(f"clock        {reached:6} MHz of {CLOCK / 1e6:g}")
+    if reached < CLOCK / 1e6:
+        sys.exit("the board's clock is too fast for the bitstream")
+    print(f"wrote {build}/gateware/ulx3s.bit")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=pathlib.Path, help="files of `raypath generate --unit`, scene.bin, rays.txt")
     parser.add_argument("--board", choices=["sim", "ulx3s"], default="sim")
+    parser.add_argument("--lines", type=pathlib.Path, help="compare what the firmware wrote, and build nothing")
     options = parser.parse_args()
     logging.disable(logging.INFO)
     folder = options.folder.resolve()
-    if options.board == "ulx3s":
-        print(*ulx3s(folder), sep="\n")
-    else:
-        lines = simulate(folder)
-        sys.stdout.writelines(line for line in lines if not line.startswith(("hit", "[")))
-        compare(folder, [line for line in lines if line.startswith("hit")])
+    if options.lines is None and options.board == "ulx3s":
+        ulx3s(folder)
+        return
+    lines = simulate(folder) if options.lines is None else options.lines.read_text().splitlines()
+    print(*(line for line in lines if line.startswith(("rays", "error"))), sep="\n")
+    compare(folder, [line for line in lines if line.startswith("hit")])
 
 
 if __name__ == "__main__":
