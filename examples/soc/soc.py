@@ -92,16 +92,16 @@ class Raypath(LiteXModule):
 class System(SoCCore):
     """Processor, memory, serial line and device. The firmware is in the memory when the processor starts."""
 
-    def __init__(self, platform, clock, uart, folder):
+    def __init__(self, platform, clock, reset, uart, folder):
         self.folder = folder
-        self.crg = CRG(clock)
+        self.crg = CRG(clock, reset)
         SoCCore.__init__(
             self,
             platform,
             clk_freq=CLOCK,
             cpu_type="vexriscv",
             cpu_reset_address=RAM,
-            integrated_main_ram_size=256 * 1024,
+            integrated_main_ram_size=256 * 1024,  # block RAM on the board, of which an ECP5-85F has 416 KiB
             integrated_sram_size=8192,
             uart_name=uart,
             with_timer=False,
@@ -125,7 +125,8 @@ class System(SoCCore):
         command += [f"-Wl,-T,{HERE}/firmware/linker.ld", f"-L{self.builder.generated_dir}"]
         command += [f"-Wl,--defsym=SCENE_ALIGN={1 << (scene - 1).bit_length()}", f"-Wa,-I{build},-I{self.folder}"]
         command += ["-o", image, cpu / "crt0.S", *sorted((HERE / "firmware").glob("*.[cS]"))]
-        subprocess.run([*command, "-lgcc"], check=True)
+        if subprocess.run([*command, "-lgcc"]).returncode:
+            sys.exit(f"no firmware: the message of {COMPILER[0]} is above; main_ram has to hold it, scene and rays")
         binary = image.with_suffix(".bin")
         subprocess.run(["riscv64-unknown-elf-objcopy", "-O", "binary", image, binary], check=True)
         self.init_ram("main_ram", get_mem_data(str(binary), endianness="little"))
@@ -171,7 +172,7 @@ def simulate(folder):
     config = SimConfig()
     config.add_clocker("sys_clk", freq_hz=CLOCK)
     config.add_module("serial2console", "serial")
-    system = System(platform, platform.request("sys_clk"), "sim", folder)
+    system = System(platform, platform.request("sys_clk"), 0, "sim", folder)
     build = folder / "soc"
     Builder(system, output_dir=build).build(run=False, sim_config=config, opt_level="O1", jobs=os.cpu_count())
     gateware = build / "gateware"
@@ -195,7 +196,7 @@ def simulate(folder):
 def ulx3s(folder):
     """Builds the bitstream, and prints what it takes and the clock that it reaches."""
     platform = radiona_ulx3s.Platform(device="LFE5U-85F", toolchain="trellis")
-    system = System(platform, platform.request("clk25"), "serial", folder)
+    system = System(platform, platform.request("clk25"), platform.request("rst"), "serial", folder)
     build = folder / "ulx3s"
     Builder(system, output_dir=build).build(run=False, build_name="ulx3s", abc9=True)
     tools = build / "tools"
