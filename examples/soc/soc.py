@@ -51,8 +51,9 @@ class Raypath(LiteXModule):
             sys.exit(f"AddressWidth of raypath_device: {constant('AddressWidth')}, expected 32, as LiteX's bus has")
         self.registers = axi.AXILiteInterface(data_width=32, address_width=32)
         # An id is a context and a bit that says whether the read is of a ring.
+        id_width = (constant("Contexts") - 1).bit_length() + 1
         self.memory = axi.AXIInterface(
-            data_width=constant("DataWidth"), address_width=32, id_width=constant("ContextWidth") + 1, bursting=True
+            data_width=constant("DataWidth"), address_width=32, id_width=id_width, bursting=True
         )
         self.ev = types.SimpleNamespace(irq=Signal())  # where LiteX looks for an interrupt
         ports = {"i_clk_i": ClockSignal(), "i_rst_ni": ~ResetSignal(), "o_irq_o": self.ev.irq}

@@ -5,6 +5,7 @@
 
 use crate::Error;
 use crate::netlist::{Label, Module, Signal, SignalId, changed};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Declarations that the modules of a design share. They are printed before the modules.
@@ -159,6 +160,15 @@ pub fn verbatim(module: &Module, text: String, below: Vec<[String; 3]>) -> Arc<M
     let mut module = module.clone();
     module.text.verbatim = Some((text, below));
     Arc::new(module)
+}
+
+/// The same module, where it and those below have these texts by their names ([`verbatim`]).
+pub fn with_texts(module: &Arc<Module>, texts: &BTreeMap<String, String>) -> Arc<Module> {
+    changed(module, |module| {
+        if let Some(text) = texts.get(&module.name) {
+            module.text.verbatim = Some((text.clone(), Vec::new()));
+        }
+    })
 }
 
 impl Package {

@@ -23,6 +23,12 @@ pub enum UnitError {
     /// The datapath cannot be elaborated.
     #[error(transparent)]
     Elaboration(#[from] raypath_rtl::Error),
+    /// A module of the unit whose text does not follow from the parameters.
+    #[error("the text of {module} for these parameters is not that for others with other numbers")]
+    Text {
+        /// The module.
+        module: String,
+    },
     /// A defect of the unit's netlist.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),

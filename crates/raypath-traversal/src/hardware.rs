@@ -18,6 +18,7 @@ mod jobs;
 mod names;
 mod package;
 mod parameters;
+mod parametric;
 mod properties;
 mod queue;
 mod rays;

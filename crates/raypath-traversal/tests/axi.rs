@@ -46,16 +46,39 @@ fn the_linters_are_silent() {
     sources.lint().expect("no report of the linters");
     let wrapper = sources.files.last().expect("the wrapper").clone();
     let text = std::fs::read_to_string(&wrapper).expect("a text");
-    let defaults = ["Units          = 1", "CacheSets      = 0", "Timeout        = 0"];
-    let values = ["Units          = 3", "CacheSets      = 8", "Timeout        = 9"];
+    let defaults = ["Contexts       = 65", "Units          = 1", "CacheSets      = 0", "Timeout        = 0"];
+    let values = ["Contexts       = 12", "Units          = 3", "CacheSets      = 8", "Timeout        = 9"];
     let other = defaults.iter().zip(values).fold(text.clone(), |text, (from, to)| text.replacen(from, to, 1));
-    assert_eq!(defaults.map(|default| other.contains(default)), [false; 3]);
+    assert_eq!(defaults.map(|default| other.contains(default)), [false; 4]);
     std::fs::write(&wrapper, other).expect("a text");
     sources.lint().expect("no report of the linters with other parameters");
     std::fs::write(&wrapper, text).expect("a text");
     sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
     let arguments = ["--assert", "-Wno-DECLFILENAME"];
     lint_verilator(&sources.files, axi.name(), &arguments).expect("nor of Verilator with the assertions");
+}
+
+/// The text of a unit is that of any other with parameters, but for their defaults.
+#[test]
+fn the_text_is_that_of_other_parameters() {
+    let text = |contexts, id_width, address_width| {
+        let parameters = UnitParameters { contexts, id_width, address_width, ..UnitParameters::default() };
+        let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+        let files = unit.files(raypath_rtl::package::PERIOD_NS).expect("files").into_iter();
+        let modules =
+            files.filter(|(path, _)| path.starts_with("rtl") && !path.ends_with("raypath_unit_wrapper_pkg.sv"));
+        let is_common = |line: &&str| !line.starts_with("//") && !line.starts_with("  parameter ");
+        let lines = modules.map(|(path, text)| (path, text.lines().filter(is_common).collect::<Vec<_>>().join("\n")));
+        lines.collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let (one, other) = (text(64, 16, 40), text(40, 9, 60));
+    let checks = |text: &str| text.replace("Contexts > 64", "Contexts > 40").replace("8 to 64", "8 to 40");
+    for (path, text) in one {
+        for (line, other) in checks(&text).lines().zip(checks(&other[&path]).lines()) {
+            assert_eq!(line, other, "{}", path.display());
+        }
+        assert_eq!(text.lines().count(), other[&path].lines().count(), "{}", path.display());
+    }
 }
 
 /// With its default parameters the wrapper is a cluster of one unit, and both are wires alone, so that they do what the

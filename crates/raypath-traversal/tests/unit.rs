@@ -241,7 +241,7 @@ fn verilator_equals_the_model(step: StepParameters) {
     let (scene, rays) = setting(step, 60, 3);
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let folder = tempfile::tempdir().expect("a folder");
-    let mut sources = Sources::write(&unit.top, folder.path()).expect("sources");
+    let mut sources = Sources::write(&unit.emitted().expect("a text"), folder.path()).expect("sources");
     sources.lint().expect("no report of the linters");
     // The wrapper with structures is around the unit.
     for (path, text) in unit.files(raypath_rtl::package::PERIOD_NS).expect("files") {

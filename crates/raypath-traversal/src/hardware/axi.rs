@@ -4,8 +4,9 @@ use super::blocks::data_words;
 use super::channels::{CHANNELS, COUNTED, OF_MEMORY};
 use super::connect::{Inputs, Outputs};
 use super::top::UnitNetlist;
+use crate::error::UnitError;
 use crate::system::rtl;
-use raypath_hdl::{Builder, Error, Module, text};
+use raypath_hdl::{Builder, Module, text};
 use std::sync::Arc;
 
 /// What every burst has by default, by the end of the signal's name: width and value. The burst increments; the access
@@ -27,7 +28,7 @@ impl UnitNetlist {
     ///
     /// # Errors
     /// A defect of the netlist.
-    pub fn cluster(&self) -> Result<Arc<Module>, Error> {
+    pub fn cluster(&self) -> Result<Arc<Module>, UnitError> {
         let builder = Builder::new("raypath_cluster");
         let m = &builder;
         m.doc("Units behind one port for each channel. A ray enters the next unit that has a place.");
@@ -36,7 +37,7 @@ impl UnitNetlist {
         let data = data_words(m, "mem_rsp_data", "_i", self.parameters.memory_width).into_iter().enumerate();
         let data = data.map(|(word, wire)| (format!("mem_rsp_data_{word}"), wire));
         let is_other = |name: &str| !name.starts_with("mem_rsp_data");
-        let outputs = through(m, &self.top, "u_unit", is_other, Inputs::default().ports(data));
+        let outputs = through(m, &self.emitted()?, "u_unit", is_other, Inputs::default().ports(data));
         invalidate(m);
         for port in self.top.outputs() {
             m.output(&port.name, outputs.port(port.stem()));
@@ -58,7 +59,7 @@ impl UnitNetlist {
     ///
     /// # Errors
     /// A defect of the netlist.
-    pub fn axi(&self) -> Result<Arc<Module>, Error> {
+    pub fn axi(&self) -> Result<Arc<Module>, UnitError> {
         let builder = Builder::new("raypath_unit_axi");
         let m = &builder;
         let (cluster, width) = (self.cluster()?, self.parameters.memory_width);
@@ -66,7 +67,8 @@ impl UnitNetlist {
         let tag = cluster.port_width("mem_req_tag_o").unwrap_or(1);
         m.doc("A traversal unit, or a cluster of them, with an AXI4 read master as its memory port.");
         m.doc(format!("A block is a burst of {beats} beats of {beat_bytes} bytes; its id is the context, {tag} bits."));
-        m.doc("With caches, a line is a burst.");
+        m.doc("With caches, a line is a burst. By default, reads are of normal memory that is bufferable and not");
+        m.doc("cacheable, unprivileged, of data, and not secure.");
 
         let of_axi =
             [("m_axi_ar", "The AXI4 channel of read addresses."), ("m_axi_r", "The AXI4 channel of read data.")];
@@ -105,7 +107,7 @@ impl UnitNetlist {
         m.output("m_axi_rready", outputs.port("mem_rsp_ready"));
         let netlist = builder.finish()?;
         let text = self.filled(rtl::text("raypath_unit_axi"), Some(&netlist))?;
-        Ok(text::verbatim(&netlist, text, rtl::below(&["raypath_guard", "raypath_axi_reader"])))
+        Ok(text::verbatim(&netlist, text, rtl::below(&["raypath_guard"])))
     }
 
     /// The modules that `raypath_device` has besides those of [`axi`](Self::axi), itself the last: the name, the comment
@@ -113,7 +115,7 @@ impl UnitNetlist {
     ///
     /// # Errors
     /// A defect of the netlist.
-    pub fn device(&self) -> Result<Vec<[String; 3]>, Error> {
+    pub fn device(&self) -> Result<Vec<[String; 3]>, UnitError> {
         let mut modules = rtl::below(&["raypath_device_registers", "raypath_rings", "raypath_device"]);
         for [.., text] in &mut modules {
             *text = self.filled(text, None)?;

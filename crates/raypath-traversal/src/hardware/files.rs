@@ -1,7 +1,7 @@
 //! The files of the unit.
 
 use super::top::UnitNetlist;
-use raypath_hdl::Error;
+use crate::error::UnitError;
 use raypath_rtl::package::{self, Wrapped};
 use std::path::PathBuf;
 
@@ -20,9 +20,9 @@ impl UnitNetlist {
     ///
     /// # Errors
     /// A defect of the netlist.
-    pub fn files(&self, period_ns: f64) -> Result<Vec<(PathBuf, String)>, Error> {
-        package::wrapped(Wrapped {
-            top: &self.top,
+    pub fn files(&self, period_ns: f64) -> Result<Vec<(PathBuf, String)>, UnitError> {
+        Ok(package::wrapped(Wrapped {
+            top: &self.emitted()?,
             wrapper: &self.axi()?,
             beyond: &self.device()?,
             properties: &self.properties(),
@@ -30,6 +30,6 @@ impl UnitNetlist {
             purpose: PURPOSE,
             description: &self.description(),
             period_ns,
-        })
+        })?)
     }
 }

@@ -2,18 +2,24 @@
 
 use super::axi::CACHE_COUNTS;
 use super::parameters::UnitParameters;
-use super::queue::bits;
+use super::parametric;
 use super::top::UnitNetlist;
 use crate::engine::COUNTS;
 use raypath_hdl::{Error, Module, text::TextPort, verilog};
 
 /// The widths of ports that follow from parameters, by the beginning of the port's name.
-const WIDTHS: [(&str, &str); 8] = [
+const WIDTHS: [(&str, &str); 14] = [
     ("count_", "Units"),
+    ("ray_id", "IdWidth"),
+    ("hit_id", "IdWidth"),
+    ("cand_id", "IdWidth"),
+    ("ray_base", "AddressWidth-32"),
     ("cand_tag_", "CandTagWidth"),
     ("answer_tag_", "CandTagWidth"),
+    ("mem_req_addr", "AddressWidth"),
     ("mem_req_tag_", "TagWidth"),
     ("mem_rsp_tag_", "TagWidth"),
+    ("m_axi_araddr", "AddressWidth"),
     ("m_axi_arid", "TagWidth"),
     ("m_axi_rid", "TagWidth"),
     ("m_axi_aruser", "ArUserWidth"),
@@ -75,19 +81,18 @@ impl UnitNetlist {
         let values = self.values(netlist)?;
         let filled =
             lines.map(|line| values.iter().fold(line.to_string(), |line, (name, value)| value.put(line, name)));
-        Ok(filled.map(|line| format!("{line}\n")).collect())
+        Ok(parametric::laid_out(&filled.map(|line| format!("{line}\n")).collect::<String>()))
     }
 
     fn values(&self, netlist: Option<&Module>) -> Result<Vec<(String, Value)>, Error> {
-        let UnitParameters { contexts, memory_width, address_width, step, .. } = self.parameters;
+        let UnitParameters { contexts, memory_width, id_width, address_width, step, .. } = self.parameters;
         let of_step = step.features;
         let mut values: Vec<(String, Value)> = Vec::new();
         let numbers = [
             ("CONTEXTS", contexts),
-            ("CONTEXT", bits(contexts)),
             ("WIDTH", memory_width),
+            ("ID", id_width),
             ("ADDRESS", address_width),
-            ("UPPER", address_width - 32),
             ("BLOCK", step.node.block_bytes()),
             ("NODE", step.node as u32),
             ("FLAGS", of_step.has_flags().into()),
@@ -96,6 +101,13 @@ impl UnitNetlist {
             ("NESTED", of_step.nested.into()),
         ];
         values.extend(numbers.map(|(name, number)| (name.to_string(), Value::Word(number.to_string()))));
+        let names: Vec<&str> = parametric::names(self.parameters).collect();
+        for (name, parameter) in [("ID_KIND", "IdWidth"), ("ADDRESS_KIND", "AddressWidth")] {
+            let kind = if names.contains(&parameter) { "parameter " } else { "localparam" };
+            values.push((name.into(), Value::Word(kind.into())));
+        }
+        let passed = names.iter().map(|name| format!(".{name} ({name})")).collect();
+        values.push(("PASSED".into(), Value::Items(passed)));
         if let Some(netlist) = netlist {
             let printed = verilog::print_module(netlist, &[])?;
             let ports = printed.split_once("(\n").and_then(|(_, rest)| rest.split_once("\n);\n"));
@@ -110,8 +122,8 @@ impl UnitNetlist {
         let (ray, answer) = (self.fields("ray", true), self.fields("answer", true));
         let ray_words = ray.iter().filter_map(|port| {
             let (_, word) = RAY_WORDS.iter().find(|(field, _)| port.stem() == format!("ray_{field}"))?;
-            let range = format!("{}:{}", 32 * word + port.width - 1, 32 * word);
-            Some(format!(".{} (ray[{}])", port.name, if port.width == 1 { (32 * word).to_string() } else { range }))
+            let width = width(port.stem()).map_or(port.width.to_string(), str::to_string);
+            Some(format!(".{} (ray[{}+:{width}])", port.name, 32 * word))
         });
         values.push(items("RAY_WORDS", ray_words.collect()));
         values.push(items("RAY", ray.into_iter().map(same).collect()));
@@ -131,7 +143,12 @@ impl UnitNetlist {
             // The unit's number is a part of the tag.
             let port = |port: &TextPort| port.name.replace("cand_tag_o", "candidate_context");
             let connected = |port: &TextPort| format!(".{} ({})", port.name, port.stem());
-            let bits = fields.iter().map(|port| port.width).sum::<u32>().to_string();
+            let id = fields.iter().find(|port| port.stem().ends_with("_id")).map_or(0, |port| port.width);
+            let other_bits = other.clone().map(|port| port.width).sum::<u32>() - id;
+            let bits = match channel {
+                "HIT" => format!("IdWidth + {other_bits}"),
+                _ => format!("IdWidth + ContextWidth + {other_bits}"),
+            };
             values.extend([
                 (channel.to_string(), Value::Items(fields.iter().map(connected).collect())),
                 (format!("{channel}_BITS"), Value::Word(bits)),
@@ -170,7 +187,11 @@ impl Value {
 
 /// The declaration of a wire for a port.
 fn wire(port: &TextPort) -> String {
-    let range = if port.width == 1 { String::new() } else { format!(" [{}:0]", port.width - 1) };
+    let range = match (width(port.stem()), port.width) {
+        (Some(width), _) => format!(" [{width}-1:0]"),
+        (None, 1) => String::new(),
+        (None, width) => format!(" [{}:0]", width - 1),
+    };
     format!("{:<24} {};", format!("logic{range}"), port.stem())
 }
 
@@ -183,7 +204,7 @@ fn hit_words(fields: &[TextPort]) -> Vec<String> {
         None => format!("{bits}'d0"),
     };
     let words = HIT_WORDS.iter().rev().map(|name| padded(name, 32));
-    words.chain(["23'd0, hit_back_face".to_string(), padded("status", 8), padded("id", 64)]).collect()
+    words.chain(["23'd0, hit_back_face".to_string(), padded("status", 8), "hit_number".to_string()]).collect()
 }
 
 /// The lines of ports with aligned names; some have the width of a parameter.
@@ -197,14 +218,22 @@ fn with_widths(ports: &str) -> Vec<String> {
     parts.iter().map(line).collect()
 }
 
+/// The width of a port or its wire, if it follows from parameters.
+fn width(name: &str) -> Option<&'static str> {
+    WIDTHS.iter().find(|(beginning, _)| name.starts_with(beginning)).map(|(_, width)| *width)
+}
+
 /// The direction and the type of a port, and the line from its name on; none of a comment.
 fn parts(line: &str) -> Option<(&str, String, &str)> {
     let (direction, rest) = line.trim_start().split_once(' ').filter(|(direction, _)| *direction != "//")?;
     let code = rest.split("//").next()?;
     let name = code.split_whitespace().next_back()?;
     let (kind, _) = code.rsplit_once(name)?;
-    let width = WIDTHS.iter().find(|(beginning, _)| name.starts_with(beginning));
-    let kind = width.map_or(kind.trim().to_string(), |(_, width)| format!("logic [{width}-1:0]"));
+    let range = |width: &str| match width {
+        "AddressWidth-32" => "logic [AddressWidth-33:0]".to_string(),
+        width => format!("logic [{width}-1:0]"),
+    };
+    let kind = width(name).map_or(kind.trim().to_string(), range);
     Some((direction, kind, &rest[code.rfind(name)?..]))
 }
 

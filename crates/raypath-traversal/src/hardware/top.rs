@@ -10,6 +10,7 @@ use super::hits::{hits, is_shown as is_of_hit};
 use super::issue::{issue, tells_instances, triangle_words};
 use super::jobs::Jobs;
 use super::parameters::UnitParameters;
+use super::parametric::parametric;
 use super::queue::{bits, queue};
 use super::rays::rays;
 use super::walk::walk;
@@ -68,6 +69,15 @@ impl UnitNetlist {
         let datapath = datapath(config, parameters)?;
         let top = top(datapath.top(), parameters)?;
         Ok(Self { top, datapath, config, parameters })
+    }
+
+    /// The module `raypath_unit` as it is emitted: with parameters in the texts of its modules, whose defaults are those of
+    /// this unit.
+    ///
+    /// # Errors
+    /// A defect of the netlist.
+    pub fn emitted(&self) -> Result<Arc<Module>, UnitError> {
+        parametric(&self.top, self.datapath.top(), self.parameters, top)
     }
 
     /// The shape of the datapath's pipeline.
@@ -330,7 +340,7 @@ impl<'m> Top<'m> {
             None => (jobs.issue.port("offer"), jobs.issue.port("is_node")),
             Some(decoder) => (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node")),
         };
-        let tag = m.concat(&["context", "place", "is_last"].map(|name| jobs.of_block().port(name)));
+        let tag = m.concat(&["context", "place", "is_last"].map(|name| jobs.of_block().port(name))).named("job_tag");
         let ready = m.forward("outcome_ready", 1);
         let ports = Inputs::default()
             .port("input_valid", offer)

@@ -26,8 +26,11 @@ fn a_cluster_is_that_of_the_model_in_every_cycle() {
     let parameters =
         UnitParameters { contexts: CONTEXTS, memory_width: WIDTH, id_width: 9, ..UnitParameters::default() };
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+    // The text is that of another unit, with parameters for this one.
+    let greater = UnitParameters { contexts: 2 * CONTEXTS - 1, id_width: 12, ..parameters };
+    let emitted = UnitNetlist::new(Config::DEFAULT, greater).expect("a unit").cluster().expect("a cluster");
     let folder = tempfile::tempdir().expect("a folder");
-    let mut sources = Sources::write(&unit.cluster().expect("a cluster"), folder.path()).expect("sources");
+    let mut sources = Sources::write(&emitted, folder.path()).expect("sources");
     let (shell, text) = bench(&unit.cluster().expect("a cluster"), cache);
     sources.add(folder.path().join("bench.sv"), &text).expect("the bench");
     lint_verilator(&sources.files, "bench", &[]).expect("no report of Verilator");
@@ -76,7 +79,7 @@ fn bench(cluster: &Module, CacheParameters { sets, ways, line, misses }: CachePa
     let words = (0..WIDTH / 32).rev().map(|word| format!("mem_rsp_data_{word}_i")).collect::<Vec<_>>().join(", ");
     writeln!(
         text,
-        "  raypath_cluster #(.Units ({UNITS}), .CacheSets ({sets}), .CacheWays ({ways}), .CacheMisses ({misses}), \
+        "  raypath_cluster #(.Contexts ({CONTEXTS}), .IdWidth (9), .Units ({UNITS}), .CacheSets ({sets}), .CacheWays ({ways}), .CacheMisses ({misses}), \
          .CacheLineBytes ({line})) u_cluster (.mem_rsp_data_i ({{{words}}}), .*);\nendmodule"
     )
     .expect("a text");

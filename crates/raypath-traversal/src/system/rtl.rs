@@ -4,7 +4,7 @@ use raypath_hdl::verilog::RAM_TEXT;
 
 /// The name, the comment at the head and the text of each module, those that it instantiates before it. In some,
 /// names between the signs `@` stand for what the configuration of the unit says.
-const MODULES: [[&str; 3]; 11] = [
+const MODULES: [[&str; 3]; 10] = [
     ["raypath_ram_1r1w", "", RAM_TEXT],
     ["raypath_queue", "", include_str!("../hardware/raypath_queue.sv")],
     [
@@ -24,12 +24,6 @@ const MODULES: [[&str; 3]; 11] = [
         "Reads of a memory that may be anything: those outside of a region, and those that the memory does not answer \
          in time, are answered with errors. After a timeout nothing is read until the memory has given what it owes.",
         include_str!("rtl/raypath_guard.sv"),
-    ],
-    [
-        "raypath_axi_reader",
-        "Requests of memory as bursts of AXI4. By default, reads are of normal memory that is bufferable and not \
-         cacheable, unprivileged, of data, and not secure.",
-        include_str!("rtl/raypath_axi_reader.sv"),
     ],
     ["raypath_cluster", "", include_str!("rtl/raypath_cluster.sv")],
     ["raypath_unit_axi", "", include_str!("rtl/raypath_unit_axi.sv")],

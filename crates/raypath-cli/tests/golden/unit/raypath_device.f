@@ -51,7 +51,6 @@ rtl/raypath_arbiter.sv
 rtl/raypath_cache.sv
 rtl/raypath_cluster.sv
 rtl/raypath_guard.sv
-rtl/raypath_axi_reader.sv
 rtl/raypath_device_registers.sv
 rtl/raypath_rings.sv
 rtl/raypath_device.sv

@@ -51,5 +51,4 @@ rtl/raypath_arbiter.sv
 rtl/raypath_cache.sv
 rtl/raypath_cluster.sv
 rtl/raypath_guard.sv
-rtl/raypath_axi_reader.sv
 rtl/raypath_unit_axi.sv

@@ -1,4 +1,8 @@
 module raypath_cluster #(
+  // Those of units.
+  parameter  logic [31:0] Contexts       = @CONTEXTS@,
+  @ID_KIND@ logic [31:0] IdWidth        = @ID@,
+  @ADDRESS_KIND@ logic [31:0] AddressWidth   = @ADDRESS@,
   parameter  logic [31:0] Units          = 1,
   // The cache of each unit: its sets, a power of two, or 0 for none; its ways, the lines that it
   // fetches at a time, and the bytes of a line: a block, or 2 or 4.
@@ -7,10 +11,9 @@ module raypath_cluster #(
   parameter  logic [31:0] CacheMisses    = 8,
   parameter  logic [31:0] CacheLineBytes = @BLOCK@,
   // A tag is the number of a unit above a context, or above the number of a line under way.
-  localparam logic [31:0] AddressWidth   = @ADDRESS@,
   localparam logic [31:0] DataWidth      = @WIDTH@,
   localparam logic [31:0] UnitWidth      = $clog2(Units),
-  localparam logic [31:0] ContextWidth   = @CONTEXT@,
+  localparam logic [31:0] ContextWidth   = $clog2(Contexts),
   localparam logic [31:0] LowerWidth     = (CacheSets == 0) ? ContextWidth : $clog2(CacheMisses),
 @c  localparam logic [31:0] CandTagWidth   = UnitWidth + ContextWidth,
   localparam logic [31:0] TagWidth       = UnitWidth + LowerWidth
@@ -76,7 +79,7 @@ module raypath_cluster #(
 @c    logic [ContextWidth-1:0] cand_tag;
 @c    @CAND_WIRES@
 
-    raypath_unit u_unit (
+    raypath_unit #(@PASSED@) u_unit (
       .clk_i, .rst_ni, .flush_i, .node_limit_i, .idle_o (unit_idle), .busy_o (unused_busy),
       .ray_valid_i (ray_valid & enters[u]), .ray_ready_o (has_place[u]),
       @RAY@,
@@ -125,7 +128,7 @@ module raypath_cluster #(
       raypath_cache #(
         .Sets (CacheSets), .Ways (CacheWays), .Misses (CacheMisses), .LineBytes (CacheLineBytes),
         .BlockBytes (@BLOCK@), .DataWidth (DataWidth), .AddressWidth (AddressWidth),
-        .Requesters (@CONTEXTS@)
+        .Requesters (Contexts)
       ) u_cache (
         .clk_i, .rst_ni, .invalidate_i, .idle_o (cache_idle), .hits_o (count_cache_hits_o[u]),
         .merges_o (count_cache_merges_o[u]), .misses_o (count_cache_misses_o[u]),

@@ -1,4 +1,8 @@
 module raypath_device #(
+  // Those of units.
+  parameter  logic [31:0] Contexts       = @CONTEXTS@,
+  @ID_KIND@ logic [31:0] IdWidth        = @ID@,
+  @ADDRESS_KIND@ logic [31:0] AddressWidth   = @ADDRESS@,
   // Units, each with a cache of its own: its sets, a power of two, or 0 for none; its ways, the
   // lines that it fetches at a time, and the bytes of a line: a block, or 2 or 4.
   parameter  logic [31:0] Units          = 1,
@@ -10,15 +14,14 @@ module raypath_device #(
   parameter  logic [3:0]  AxCache        = 4'b0011,
   parameter  logic [2:0]  AxProt         = 3'b010,
   parameter  logic [3:0]  AxQos          = 4'b0000,
-  localparam logic [31:0] AddressWidth   = @ADDRESS@,
   localparam logic [31:0] DataWidth      = @WIDTH@,
   localparam logic [31:0] UnitWidth      = $clog2(Units),
-  localparam logic [31:0] ContextWidth   = @CONTEXT@,
+  localparam logic [31:0] ContextWidth   = $clog2(Contexts),
 @c  localparam logic [31:0] CandTagWidth   = UnitWidth + ContextWidth,
   localparam logic [31:0] LowerWidth     = (CacheSets == 0) ? ContextWidth : $clog2(CacheMisses),
   localparam logic [31:0] TagWidth       = UnitWidth + LowerWidth,
   // An id is a tag, below a bit that says whether the read is of a ring.
-  localparam logic [31:0] IdWidth        = TagWidth + 1
+  localparam logic [31:0] AxiIdWidth     = TagWidth + 1
 ) (
   input  logic                    clk_i,
   input  logic                    rst_ni,
@@ -46,7 +49,7 @@ module raypath_device #(
   // An AXI4 master: reads of the scene and of rays, writes of hits.
   output logic                    m_axi_arvalid,
   input  logic                    m_axi_arready,
-  output logic [IdWidth-1:0]      m_axi_arid,
+  output logic [AxiIdWidth-1:0]      m_axi_arid,
   output logic [AddressWidth-1:0] m_axi_araddr,
   output logic [7:0]              m_axi_arlen,
   output logic [2:0]              m_axi_arsize,
@@ -57,7 +60,7 @@ module raypath_device #(
   output logic [3:0]              m_axi_arqos,
   input  logic                    m_axi_rvalid,
   output logic                    m_axi_rready,
-  input  logic [IdWidth-1:0]      m_axi_rid,
+  input  logic [AxiIdWidth-1:0]      m_axi_rid,
   input  logic [DataWidth-1:0]    m_axi_rdata,
   input  logic [1:0]              m_axi_rresp,
   input  logic                    m_axi_rlast,
@@ -85,8 +88,9 @@ module raypath_device #(
 
   localparam logic [31:0] BurstBytes  = (CacheSets == 0) ? @BLOCK@ : CacheLineBytes;
   localparam logic [31:0] BeatBytes   = DataWidth / 8;
+  localparam logic [31:0] BeatBits    = $clog2(BeatBytes);
   localparam logic [31:0] RecordBeats = (BeatBytes > 64) ? 1 : 64 / BeatBytes;
-  localparam logic [2:0]  RecordSize  = (BeatBytes > 64) ? 3'd6 : 3'($clog2(BeatBytes));
+  localparam logic [2:0]  RecordSize  = (BeatBytes > 64) ? 3'd6 : 3'(BeatBits);
   localparam logic [31:0] CacheBytes  = CacheSets * CacheWays * CacheLineBytes;
 
   // ---- Registers ------------------------------------------------------------------
@@ -132,10 +136,10 @@ module raypath_device #(
     .scene_base_o (scene_base), .scene_end_o (scene_end), .ray_base_o (ray_base),
     .ray_size_o (ray_size), .ray_tail_o (ray_tail), .hit_base_o (hit_base),
     .hit_size_o (hit_size), .hit_head_o (hit_head), .interrupt_hits_o (interrupt_hits),
-    .config_units_i (8'(Units)), .config_contexts_i (9'd@CONTEXTS@), .config_node_i (2'd@NODE@),
+    .config_units_i (8'(Units)), .config_contexts_i (9'(Contexts)), .config_node_i (2'd@NODE@),
     .config_flags_i (1'b@FLAGS@), .config_candidates_i (1'b@CANDIDATES@),
     .config_instances_i (1'b@INSTANCES@), .config_nested_instances_i (1'b@NESTED@),
-    .config_address_bits_i (6'd@UPPER@), .memory_bytes_i (BeatBytes), .cache_bytes_i (CacheBytes),
+    .config_address_bits_i (6'(AddressWidth - 32)), .memory_bytes_i (BeatBytes), .cache_bytes_i (CacheBytes),
     .status_idle_i (is_idle), .status_busy_i (~is_idle), .status_memory_timed_out_i (timed_out),
     .status_error_i (error), .ray_head_i (ray_head), .hit_tail_i (hit_tail),
     .interrupt_status_hits_i (enable && unread != 32'd0 && unread >= interrupt_hits),
@@ -192,6 +196,7 @@ module raypath_device #(
   logic                    mem_rsp_error;
   logic [DataWidth-1:0]    mem_rsp_data;
   @HIT_WIRES@
+  logic [63:0] hit_number;
 @c  logic                    cand_valid;
 @c  logic [CandTagWidth-1:0] cand_tag;
 @c  @CAND_WIRES@
@@ -201,6 +206,7 @@ module raypath_device #(
 @c  logic                    unused_answer_ready;
 
   raypath_cluster #(
+    @PASSED@,
     .Units (Units), .CacheSets (CacheSets), .CacheWays (CacheWays), .CacheMisses (CacheMisses),
     .CacheLineBytes (CacheLineBytes)
   ) u_cluster (
@@ -221,6 +227,11 @@ module raypath_device #(
     .mem_rsp_ready_o (unused_mem_rsp_ready), .mem_rsp_tag_i (mem_rsp_tag),
     .mem_rsp_error_i (mem_rsp_error), .mem_rsp_data_i (mem_rsp_data)
   );
+
+  always_comb begin
+    hit_number = '0;
+    hit_number[IdWidth-1:0] = hit_id;
+  end
 
   assign hit = {
     @HIT_WORDS@
@@ -289,7 +300,7 @@ module raypath_device #(
   assign m_axi_arid    = reads[1] ? {1'b1, TagWidth'(0)} : {1'b0, req_tag};
   assign m_axi_araddr  = reads[1] ? record_addr : req_addr;
   assign m_axi_arlen   = reads[1] ? 8'(RecordBeats - 1) : 8'(BurstBytes / BeatBytes - 1);
-  assign m_axi_arsize  = reads[1] ? RecordSize : 3'($clog2(BeatBytes));
+  assign m_axi_arsize  = reads[1] ? RecordSize : 3'(BeatBits);
   assign m_axi_arburst = 2'b01;
   assign m_axi_arlock  = 1'b0;
   assign m_axi_arcache = AxCache;

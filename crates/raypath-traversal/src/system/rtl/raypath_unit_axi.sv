@@ -1,4 +1,8 @@
 module raypath_unit_axi #(
+  // Those of units.
+  parameter  logic [31:0]            Contexts       = @CONTEXTS@,
+  @ID_KIND@ logic [31:0]            IdWidth        = @ID@,
+  @ADDRESS_KIND@ logic [31:0]            AddressWidth   = @ADDRESS@,
   // Units, each with a cache of its own: its sets, a power of two, or 0 for none; its ways, the
   // lines that it fetches at a time, and the bytes of a line: a block, or 2 or 4.
   parameter  logic [31:0]            Units          = 1,
@@ -14,10 +18,9 @@ module raypath_unit_axi #(
   parameter  logic [3:0]             ArQos          = 4'b0000,
   parameter  logic [31:0]            ArUserWidth    = 1,
   parameter  logic [ArUserWidth-1:0] ArUser         = '0,
-  localparam logic [31:0]            AddressWidth   = @ADDRESS@,
   localparam logic [31:0]            DataWidth      = @WIDTH@,
   localparam logic [31:0]            UnitWidth      = $clog2(Units),
-  localparam logic [31:0]            ContextWidth   = @CONTEXT@,
+  localparam logic [31:0]            ContextWidth   = $clog2(Contexts),
   localparam logic [31:0]            LowerWidth     = (CacheSets == 0) ? ContextWidth
                                                     : $clog2(CacheMisses),
 @c  localparam logic [31:0]            CandTagWidth   = UnitWidth + ContextWidth,
@@ -26,6 +29,8 @@ module raypath_unit_axi #(
 @PORTS@
 );
 
+  localparam logic [31:0] BeatBytes  = DataWidth / 8;
+  localparam logic [31:0] BeatBits   = $clog2(BeatBytes);
   localparam logic [31:0] BurstBytes = (CacheSets == 0) ? @BLOCK@ : CacheLineBytes;
 
   logic                    mem_req_valid;
@@ -48,6 +53,7 @@ module raypath_unit_axi #(
   logic [DataWidth-1:0]    rsp_data;
 
   raypath_cluster #(
+    @PASSED@,
     .Units (Units), .CacheSets (CacheSets), .CacheWays (CacheWays), .CacheMisses (CacheMisses),
     .CacheLineBytes (CacheLineBytes)
   ) u_cluster (
@@ -87,17 +93,28 @@ module raypath_unit_axi #(
     );
   end
 
-  raypath_axi_reader #(
-    .AddressWidth (AddressWidth), .DataWidth (DataWidth), .BurstBytes (BurstBytes),
-    .IdWidth (TagWidth), .ArCache (ArCache), .ArProt (ArProt), .ArQos (ArQos),
-    .ArUserWidth (ArUserWidth), .ArUser (ArUser)
-  ) u_reader (
-    .req_valid_i (req_valid), .req_addr_i (req_addr), .req_tag_i (req_tag),
-    .req_ready_o (req_ready), .rsp_valid_o (rsp_valid), .rsp_tag_o (rsp_tag),
-    .rsp_error_o (rsp_error), .rsp_data_o (rsp_data), .rsp_ready_i (rsp_ready),
-    .m_axi_arready, .m_axi_arvalid, .m_axi_arid, .m_axi_araddr, .m_axi_arlen, .m_axi_arsize,
-    .m_axi_arburst, .m_axi_arlock, .m_axi_arcache, .m_axi_arprot, .m_axi_arqos, .m_axi_aruser,
-    .m_axi_rvalid, .m_axi_rid, .m_axi_rdata, .m_axi_rresp, .m_axi_rlast, .m_axi_rready
-  );
+  // Bursts increment. They are aligned to their length, so that none crosses 4 KiB.
+  assign m_axi_arvalid = req_valid;
+  assign m_axi_arid    = req_tag;
+  assign m_axi_araddr  = req_addr;
+  assign m_axi_arlen   = 8'(BurstBytes / BeatBytes - 1);
+  assign m_axi_arsize  = 3'(BeatBits);
+  assign m_axi_arburst = 2'b01;
+  assign m_axi_arlock  = 1'b0;
+  assign m_axi_arcache = ArCache;
+  assign m_axi_arprot  = ArProt;
+  assign m_axi_arqos   = ArQos;
+  assign m_axi_aruser  = ArUser;
+  assign req_ready     = m_axi_arready;
+
+  assign rsp_valid    = m_axi_rvalid;
+  assign rsp_tag      = m_axi_rid;
+  assign rsp_error    = (m_axi_rresp != 2'b00);
+  assign rsp_data     = m_axi_rdata;
+  assign m_axi_rready = rsp_ready;
+
+  // Readers count the beats of each burst.
+  logic unused_rlast;
+  assign unused_rlast = m_axi_rlast;
 
 endmodule : raypath_unit_axi

@@ -9,6 +9,10 @@
 // bits.
 
 module raypath_cluster #(
+  // Those of units.
+  parameter  logic [31:0] Contexts       = 64,
+  parameter  logic [31:0] IdWidth        = 16,
+  localparam logic [31:0] AddressWidth   = 32,
   parameter  logic [31:0] Units          = 1,
   // The cache of each unit: its sets, a power of two, or 0 for none; its ways, the lines that it
   // fetches at a time, and the bytes of a line: a block, or 2 or 4.
@@ -17,73 +21,72 @@ module raypath_cluster #(
   parameter  logic [31:0] CacheMisses    = 8,
   parameter  logic [31:0] CacheLineBytes = 128,
   // A tag is the number of a unit above a context, or above the number of a line under way.
-  localparam logic [31:0] AddressWidth   = 32,
   localparam logic [31:0] DataWidth      = 512,
   localparam logic [31:0] UnitWidth      = $clog2(Units),
-  localparam logic [31:0] ContextWidth   = 6,
+  localparam logic [31:0] ContextWidth   = $clog2(Contexts),
   localparam logic [31:0] LowerWidth     = (CacheSets == 0) ? ContextWidth : $clog2(CacheMisses),
   localparam logic [31:0] TagWidth       = UnitWidth + LowerWidth
 ) (
-  input  logic                clk_i,
-  input  logic                rst_ni,
-  input  logic                flush_i,
-  input  logic [31:0]         node_limit_i,
-  input  logic                invalidate_i,          // caches forget all lines
-  output logic                idle_o,
-  output logic                busy_o,
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    flush_i,
+  input  logic [31:0]             node_limit_i,
+  input  logic                    invalidate_i,          // caches forget all lines
+  output logic                    idle_o,
+  output logic                    busy_o,
   // A ray enters where valid and ready are 1.
-  input  logic                ray_valid_i,
-  input  logic [15:0]         ray_id_i,
-  input  logic [9:0]          ray_flags_i,
-  input  logic [31:0]         ray_root_i,
-  input  logic [31:0]         ray_origin_x_i,
-  input  logic [31:0]         ray_origin_y_i,
-  input  logic [31:0]         ray_origin_z_i,
-  input  logic [31:0]         ray_dir_x_i,
-  input  logic [31:0]         ray_dir_y_i,
-  input  logic [31:0]         ray_dir_z_i,
-  input  logic [31:0]         ray_tmin_i,
-  input  logic [31:0]         ray_tmax_i,
-  output logic                ray_ready_o,
+  input  logic                    ray_valid_i,
+  input  logic [IdWidth-1:0]      ray_id_i,
+  input  logic [9:0]              ray_flags_i,
+  input  logic [31:0]             ray_root_i,
+  input  logic [31:0]             ray_origin_x_i,
+  input  logic [31:0]             ray_origin_y_i,
+  input  logic [31:0]             ray_origin_z_i,
+  input  logic [31:0]             ray_dir_x_i,
+  input  logic [31:0]             ray_dir_y_i,
+  input  logic [31:0]             ray_dir_z_i,
+  input  logic [31:0]             ray_tmin_i,
+  input  logic [31:0]             ray_tmax_i,
+  output logic                    ray_ready_o,
   // The hit of a ray that has ended, in the order of the ends; it stays until ready is 1.
-  input  logic                hit_ready_i,
-  output logic                hit_valid_o,
-  output logic [15:0]         hit_id_o,
-  output logic [2:0]          hit_status_o,
-  output logic [31:0]         hit_t_o,
-  output logic [31:0]         hit_primitive_o,
-  output logic [31:0]         hit_t_num_o,
-  output logic [31:0]         hit_t_denom_o,
-  output logic                hit_back_face_o,
-  output logic [31:0]         hit_nodes_o,
-  output logic [31:0]         hit_triangles_o,
+  input  logic                    hit_ready_i,
+  output logic                    hit_valid_o,
+  output logic [IdWidth-1:0]      hit_id_o,
+  output logic [2:0]              hit_status_o,
+  output logic [31:0]             hit_t_o,
+  output logic [31:0]             hit_primitive_o,
+  output logic [31:0]             hit_t_num_o,
+  output logic [31:0]             hit_t_denom_o,
+  output logic                    hit_back_face_o,
+  output logic [31:0]             hit_nodes_o,
+  output logic [31:0]             hit_triangles_o,
   // The request of a block: it stays until ready is 1; a tag has one request at a time.
-  input  logic                mem_req_ready_i,
-  output logic                mem_req_valid_o,
-  output logic [31:0]         mem_req_addr_o,
-  output logic [TagWidth-1:0] mem_req_tag_o,
+  input  logic                    mem_req_ready_i,
+  output logic                    mem_req_valid_o,
+  output logic [AddressWidth-1:0] mem_req_addr_o,
+  output logic [TagWidth-1:0]     mem_req_tag_o,
   // A beat of a block, those of a tag in order of addresses; ready is always 1.
-  input  logic [511:0]        mem_rsp_data_i,
-  input  logic                mem_rsp_valid_i,
-  input  logic [TagWidth-1:0] mem_rsp_tag_i,
-  input  logic                mem_rsp_error_i,
-  output logic                mem_rsp_ready_o,
+  input  logic [511:0]            mem_rsp_data_i,
+  input  logic                    mem_rsp_valid_i,
+  input  logic [TagWidth-1:0]     mem_rsp_tag_i,
+  input  logic                    mem_rsp_error_i,
+  output logic                    mem_rsp_ready_o,
   // Events of the cycle, for counters.
-  output logic [Units-1:0]    count_boxes_o,
-  output logic [Units-1:0]    count_triangles_o,
-  output logic [Units-1:0]    count_transforms_o,
-  output logic [Units-1:0]    count_steps_o,
-  output logic [Units-1:0]    count_fetches_o,
-  output logic [Units-1:0]    count_rays_o,
-  output logic [Units-1:0]    count_restarts_o,
-  output logic [Units-1:0]    count_job_stalls_o,
-  output logic [Units-1:0]    count_candidates_o,
-  output logic [Units-1:0]    count_cache_hits_o,
-  output logic [Units-1:0]    count_cache_merges_o,
-  output logic [Units-1:0]    count_cache_misses_o
+  output logic [Units-1:0]        count_boxes_o,
+  output logic [Units-1:0]        count_triangles_o,
+  output logic [Units-1:0]        count_transforms_o,
+  output logic [Units-1:0]        count_steps_o,
+  output logic [Units-1:0]        count_fetches_o,
+  output logic [Units-1:0]        count_rays_o,
+  output logic [Units-1:0]        count_restarts_o,
+  output logic [Units-1:0]        count_job_stalls_o,
+  output logic [Units-1:0]        count_candidates_o,
+  output logic [Units-1:0]        count_cache_hits_o,
+  output logic [Units-1:0]        count_cache_merges_o,
+  output logic [Units-1:0]        count_cache_misses_o
 );
 
-  localparam logic [31:0] HitWidth     = 212;
+  localparam logic [31:0] HitWidth     = IdWidth + 196;
 
   if (Units < 1 || Units > 64) begin : g_units_range
     $error("Units is %0d, expected 1 to 64", Units);
@@ -132,7 +135,7 @@ module raypath_cluster #(
     logic                    rsp_error;
     logic [ContextWidth-1:0] rsp_tag;
     logic [DataWidth-1:0]    rsp_data;
-    logic [15:0]             hit_id;
+    logic [IdWidth-1:0]      hit_id;
     logic [2:0]              hit_status;
     logic [31:0]             hit_t;
     logic [31:0]             hit_primitive;
@@ -142,7 +145,7 @@ module raypath_cluster #(
     logic [31:0]             hit_nodes;
     logic [31:0]             hit_triangles;
 
-    raypath_unit u_unit (
+    raypath_unit #(.Contexts (Contexts), .IdWidth (IdWidth)) u_unit (
       .clk_i, .rst_ni, .flush_i, .node_limit_i, .idle_o (unit_idle), .busy_o (unused_busy),
       .ray_valid_i (ray_valid & enters[u]), .ray_ready_o (has_place[u]),
       .ray_id_i, .ray_flags_i, .ray_root_i, .ray_origin_x_i, .ray_origin_y_i, .ray_origin_z_i,
@@ -192,7 +195,7 @@ module raypath_cluster #(
       raypath_cache #(
         .Sets (CacheSets), .Ways (CacheWays), .Misses (CacheMisses), .LineBytes (CacheLineBytes),
         .BlockBytes (128), .DataWidth (DataWidth), .AddressWidth (AddressWidth),
-        .Requesters (64)
+        .Requesters (Contexts)
       ) u_cache (
         .clk_i, .rst_ni, .invalidate_i, .idle_o (cache_idle), .hits_o (count_cache_hits_o[u]),
         .merges_o (count_cache_merges_o[u]), .misses_o (count_cache_misses_o[u]),
@@ -237,7 +240,7 @@ module raypath_cluster #(
     .clk_i, .rst_ni, .valid_i (has_hit), .ready_i (hit_ready_i), .grant_o (shows)
   );
 
-  logic [HitWidth-1:0]     hit;
+  logic [HitWidth-1:0] hit;
 
   always_comb begin
     hit = '0;

@@ -7,6 +7,10 @@
 // A cluster of traversal units with registers, rings of rays and hits in memory, and an interrupt.
 
 module raypath_device #(
+  // Those of units.
+  parameter  logic [31:0] Contexts       = 64,
+  parameter  logic [31:0] IdWidth        = 16,
+  localparam logic [31:0] AddressWidth   = 32,
   // Units, each with a cache of its own: its sets, a power of two, or 0 for none; its ways, the
   // lines that it fetches at a time, and the bytes of a line: a block, or 2 or 4.
   parameter  logic [31:0] Units          = 1,
@@ -18,14 +22,13 @@ module raypath_device #(
   parameter  logic [3:0]  AxCache        = 4'b0011,
   parameter  logic [2:0]  AxProt         = 3'b010,
   parameter  logic [3:0]  AxQos          = 4'b0000,
-  localparam logic [31:0] AddressWidth   = 32,
   localparam logic [31:0] DataWidth      = 512,
   localparam logic [31:0] UnitWidth      = $clog2(Units),
-  localparam logic [31:0] ContextWidth   = 6,
+  localparam logic [31:0] ContextWidth   = $clog2(Contexts),
   localparam logic [31:0] LowerWidth     = (CacheSets == 0) ? ContextWidth : $clog2(CacheMisses),
   localparam logic [31:0] TagWidth       = UnitWidth + LowerWidth,
   // An id is a tag, below a bit that says whether the read is of a ring.
-  localparam logic [31:0] IdWidth        = TagWidth + 1
+  localparam logic [31:0] AxiIdWidth     = TagWidth + 1
 ) (
   input  logic                    clk_i,
   input  logic                    rst_ni,
@@ -53,7 +56,7 @@ module raypath_device #(
   // An AXI4 master: reads of the scene and of rays, writes of hits.
   output logic                    m_axi_arvalid,
   input  logic                    m_axi_arready,
-  output logic [IdWidth-1:0]      m_axi_arid,
+  output logic [AxiIdWidth-1:0]   m_axi_arid,
   output logic [AddressWidth-1:0] m_axi_araddr,
   output logic [7:0]              m_axi_arlen,
   output logic [2:0]              m_axi_arsize,
@@ -64,7 +67,7 @@ module raypath_device #(
   output logic [3:0]              m_axi_arqos,
   input  logic                    m_axi_rvalid,
   output logic                    m_axi_rready,
-  input  logic [IdWidth-1:0]      m_axi_rid,
+  input  logic [AxiIdWidth-1:0]   m_axi_rid,
   input  logic [DataWidth-1:0]    m_axi_rdata,
   input  logic [1:0]              m_axi_rresp,
   input  logic                    m_axi_rlast,
@@ -92,37 +95,38 @@ module raypath_device #(
 
   localparam logic [31:0] BurstBytes  = (CacheSets == 0) ? 128 : CacheLineBytes;
   localparam logic [31:0] BeatBytes   = DataWidth / 8;
+  localparam logic [31:0] BeatBits    = $clog2(BeatBytes);
   localparam logic [31:0] RecordBeats = (BeatBytes > 64) ? 1 : 64 / BeatBytes;
-  localparam logic [2:0]  RecordSize  = (BeatBytes > 64) ? 3'd6 : 3'($clog2(BeatBytes));
+  localparam logic [2:0]  RecordSize  = (BeatBytes > 64) ? 3'd6 : 3'(BeatBits);
   localparam logic [31:0] CacheBytes  = CacheSets * CacheWays * CacheLineBytes;
 
   // ---- Registers ------------------------------------------------------------------
-  logic        enable;
-  logic        flush;
-  logic        invalidate;
-  logic        clear_error;
-  logic [31:0] node_limit;
-  logic [31:0] timeout;
-  logic [63:0] scene_base;
-  logic [63:0] scene_end;
-  logic [63:0] ray_base;
-  logic [31:0] ray_size;
-  logic [31:0] ray_tail;
-  logic [31:0] ray_head;
-  logic [63:0] hit_base;
-  logic [31:0] hit_size;
-  logic [31:0] hit_head;
-  logic [31:0] hit_tail;
-  logic [31:0] interrupt_hits;
-  logic [31:0] unread;
-  logic        cluster_idle;
-  logic        guard_idle;
-  logic        rings_idle;
-  logic        is_idle;
-  logic        drained;
-  logic        timed_out;
-  logic [3:0]  rings_error;
-  logic [3:0]  error;
+  logic             enable;
+  logic             flush;
+  logic             invalidate;
+  logic             clear_error;
+  logic [31:0]      node_limit;
+  logic [31:0]      timeout;
+  logic [63:0]      scene_base;
+  logic [63:0]      scene_end;
+  logic [63:0]      ray_base;
+  logic [31:0]      ray_size;
+  logic [31:0]      ray_tail;
+  logic [31:0]      ray_head;
+  logic [63:0]      hit_base;
+  logic [31:0]      hit_size;
+  logic [31:0]      hit_head;
+  logic [31:0]      hit_tail;
+  logic [31:0]      interrupt_hits;
+  logic [31:0]      unread;
+  logic             cluster_idle;
+  logic             guard_idle;
+  logic             rings_idle;
+  logic             is_idle;
+  logic             drained;
+  logic             timed_out;
+  logic [3:0]       rings_error;
+  logic [3:0]       error;
   logic [Units-1:0] count_boxes;
   logic [Units-1:0] count_triangles;
   logic [Units-1:0] count_transforms;
@@ -150,13 +154,14 @@ module raypath_device #(
     .scene_base_o (scene_base), .scene_end_o (scene_end), .ray_base_o (ray_base),
     .ray_size_o (ray_size), .ray_tail_o (ray_tail), .hit_base_o (hit_base),
     .hit_size_o (hit_size), .hit_head_o (hit_head), .interrupt_hits_o (interrupt_hits),
-    .config_units_i (8'(Units)), .config_contexts_i (9'd64), .config_node_i (2'd0),
+    .config_units_i (8'(Units)), .config_contexts_i (9'(Contexts)), .config_node_i (2'd0),
     .config_flags_i (1'b0), .config_candidates_i (1'b0),
     .config_instances_i (1'b0), .config_nested_instances_i (1'b0),
-    .config_address_bits_i (6'd0), .memory_bytes_i (BeatBytes), .cache_bytes_i (CacheBytes),
+    .config_address_bits_i (6'(AddressWidth - 32)), .memory_bytes_i (BeatBytes),
+        .cache_bytes_i (CacheBytes),
     .status_idle_i (is_idle), .status_busy_i (~is_idle), .status_memory_timed_out_i (timed_out),
     .status_error_i (error), .ray_head_i (ray_head), .hit_tail_i (hit_tail),
-    .interrupt_status_hits_i (unread != 32'd0 && unread >= interrupt_hits),
+    .interrupt_status_hits_i (enable && unread != 32'd0 && unread >= interrupt_hits),
     .interrupt_status_error_i (error != 4'd0), .interrupt_status_drained_i (drained),
     .count_cycles_i (1'b1),
     .count_boxes_i (count_boxes), .count_triangles_i (count_triangles),
@@ -214,7 +219,7 @@ module raypath_device #(
   logic [TagWidth-1:0]     mem_rsp_tag;
   logic                    mem_rsp_error;
   logic [DataWidth-1:0]    mem_rsp_data;
-  logic [15:0]             hit_id;
+  logic [IdWidth-1:0]      hit_id;
   logic [2:0]              hit_status;
   logic [31:0]             hit_t;
   logic [31:0]             hit_primitive;
@@ -223,18 +228,20 @@ module raypath_device #(
   logic                    hit_back_face;
   logic [31:0]             hit_nodes;
   logic [31:0]             hit_triangles;
+  logic [63:0]             hit_number;
 
   raypath_cluster #(
+    .Contexts (Contexts), .IdWidth (IdWidth),
     .Units (Units), .CacheSets (CacheSets), .CacheWays (CacheWays), .CacheMisses (CacheMisses),
     .CacheLineBytes (CacheLineBytes)
   ) u_cluster (
     .clk_i, .rst_ni, .flush_i (flush), .node_limit_i (node_limit), .invalidate_i (invalidate),
     .idle_o (cluster_idle), .busy_o (unused_busy), .ray_valid_i (ray_valid),
     .ray_ready_o (ray_ready),
-    .ray_id_i (ray[15:0]), .ray_flags_i (ray[73:64]), .ray_root_i (ray[159:128]),
-    .ray_origin_x_i (ray[287:256]), .ray_origin_y_i (ray[319:288]),
-    .ray_origin_z_i (ray[351:320]), .ray_dir_x_i (ray[415:384]), .ray_dir_y_i (ray[447:416]),
-    .ray_dir_z_i (ray[479:448]), .ray_tmin_i (ray[223:192]), .ray_tmax_i (ray[255:224]),
+    .ray_id_i (ray[0+:IdWidth]), .ray_flags_i (ray[64+:10]), .ray_root_i (ray[128+:32]),
+    .ray_origin_x_i (ray[256+:32]), .ray_origin_y_i (ray[288+:32]),
+    .ray_origin_z_i (ray[320+:32]), .ray_dir_x_i (ray[384+:32]), .ray_dir_y_i (ray[416+:32]),
+    .ray_dir_z_i (ray[448+:32]), .ray_tmin_i (ray[192+:32]), .ray_tmax_i (ray[224+:32]),
     .hit_valid_o (hit_valid), .hit_ready_i (hit_ready),
     .hit_id_o (hit_id), .hit_status_o (hit_status), .hit_t_o (hit_t),
     .hit_primitive_o (hit_primitive), .hit_t_num_o (hit_t_num), .hit_t_denom_o (hit_t_denom),
@@ -252,9 +259,14 @@ module raypath_device #(
     .mem_rsp_error_i (mem_rsp_error), .mem_rsp_data_i (mem_rsp_data)
   );
 
+  always_comb begin
+    hit_number = '0;
+    hit_number[IdWidth-1:0] = hit_id;
+  end
+
   assign hit = {
     32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, hit_triangles, hit_nodes, 32'd0, hit_t_denom,
-    hit_t_num, hit_t, hit_primitive, 23'd0, hit_back_face, 5'd0, hit_status, 48'd0, hit_id
+    hit_t_num, hit_t, hit_primitive, 23'd0, hit_back_face, 5'd0, hit_status, hit_number
   };
 
   // ---- The scene's region, and the time of the memory ------------------------------------
@@ -304,7 +316,7 @@ module raypath_device #(
   assign m_axi_arid    = reads[1] ? {1'b1, TagWidth'(0)} : {1'b0, req_tag};
   assign m_axi_araddr  = reads[1] ? record_addr : req_addr;
   assign m_axi_arlen   = reads[1] ? 8'(RecordBeats - 1) : 8'(BurstBytes / BeatBytes - 1);
-  assign m_axi_arsize  = reads[1] ? RecordSize : 3'($clog2(BeatBytes));
+  assign m_axi_arsize  = reads[1] ? RecordSize : 3'(BeatBits);
   assign m_axi_arburst = 2'b01;
   assign m_axi_arlock  = 1'b0;
   assign m_axi_arcache = AxCache;

@@ -142,12 +142,12 @@ module raypath_rings #(
   // The first error stays. Hits are dropped after an error of their ring, until the engine is
   // disabled and idle: the places of later ones are not known.
   error_t error_q;
-  logic   drops_q;
-  logic   flushes_q;
-  logic   starts;
-  logic   read_fails;
-  logic   write_fails;
-  logic   hits_fail;
+  logic drops_q;
+  logic flushes_q;
+  logic starts;
+  logic read_fails;
+  logic write_fails;
+  logic hits_fail;
 
   assign starts    = ~enable_i & idle_o;
   assign hits_fail = (enable_i | ~idle_o) & (hits_are_wrong | ~hits_fit);

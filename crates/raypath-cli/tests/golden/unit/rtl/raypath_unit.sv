@@ -18,97 +18,110 @@
 // Each arrow to u_walk is an answer. A step takes one, and what it asks for comes back as the next
 // answer of the ray. What is read by context, such as the numbers of a ray, is not drawn.
 
-module raypath_unit (
-  input  logic         clk_i,
-  input  logic         rst_ni,
-  input  logic         flush_i,             // all rays are dropped, until idle_o is 1
-  input  logic [31:0]  node_limit_i,        // the nodes that a ray may read; 0: any number
-  output logic         idle_o,
-  output logic         busy_o,
+module raypath_unit #(
+  parameter  logic [31:0] Contexts     = 64,
+  parameter  logic [31:0] IdWidth      = 16,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    flush_i,             // all rays are dropped, until idle_o is 1
+  // the nodes that a ray may read; 0: any number
+  input  logic [31:0]             node_limit_i,
+  output logic                    idle_o,
+  output logic                    busy_o,
   // A ray enters where valid and ready are 1.
-  input  logic         ray_valid_i,
-  input  logic [15:0]  ray_id_i,
-  input  logic [9:0]   ray_flags_i,
-  input  logic [31:0]  ray_root_i,
-  input  logic [31:0]  ray_origin_x_i,
-  input  logic [31:0]  ray_origin_y_i,
-  input  logic [31:0]  ray_origin_z_i,
-  input  logic [31:0]  ray_dir_x_i,
-  input  logic [31:0]  ray_dir_y_i,
-  input  logic [31:0]  ray_dir_z_i,
-  input  logic [31:0]  ray_tmin_i,
-  input  logic [31:0]  ray_tmax_i,
-  output logic         ray_ready_o,
+  input  logic                    ray_valid_i,
+  input  logic [IdWidth-1:0]      ray_id_i,
+  input  logic [9:0]              ray_flags_i,
+  input  logic [31:0]             ray_root_i,
+  input  logic [31:0]             ray_origin_x_i,
+  input  logic [31:0]             ray_origin_y_i,
+  input  logic [31:0]             ray_origin_z_i,
+  input  logic [31:0]             ray_dir_x_i,
+  input  logic [31:0]             ray_dir_y_i,
+  input  logic [31:0]             ray_dir_z_i,
+  input  logic [31:0]             ray_tmin_i,
+  input  logic [31:0]             ray_tmax_i,
+  output logic                    ray_ready_o,
   // The hit of a ray that has ended, in the order of the ends; it stays until ready is 1.
-  input  logic         hit_ready_i,
-  output logic         hit_valid_o,
-  output logic [15:0]  hit_id_o,
-  output logic [2:0]   hit_status_o,
-  output logic [31:0]  hit_t_o,
-  output logic [31:0]  hit_primitive_o,
-  output logic [31:0]  hit_t_num_o,
-  output logic [31:0]  hit_t_denom_o,
-  output logic         hit_back_face_o,
-  output logic [31:0]  hit_nodes_o,
-  output logic [31:0]  hit_triangles_o,
+  input  logic                    hit_ready_i,
+  output logic                    hit_valid_o,
+  output logic [IdWidth-1:0]      hit_id_o,
+  output logic [2:0]              hit_status_o,
+  output logic [31:0]             hit_t_o,
+  output logic [31:0]             hit_primitive_o,
+  output logic [31:0]             hit_t_num_o,
+  output logic [31:0]             hit_t_denom_o,
+  output logic                    hit_back_face_o,
+  output logic [31:0]             hit_nodes_o,
+  output logic [31:0]             hit_triangles_o,
   // The request of a block: it stays until ready is 1; a tag has one request at a time.
-  input  logic         mem_req_ready_i,
-  output logic         mem_req_valid_o,
-  output logic [31:0]  mem_req_addr_o,
-  output logic [5:0]   mem_req_tag_o,
+  input  logic                    mem_req_ready_i,
+  output logic                    mem_req_valid_o,
+  output logic [31:0]             mem_req_addr_o,
+  output logic [ContextWidth-1:0] mem_req_tag_o,
   // A beat of a block, those of a tag in order of addresses; ready is always 1.
-  input  logic         mem_rsp_valid_i,
-  input  logic [5:0]   mem_rsp_tag_i,
-  input  logic         mem_rsp_error_i,
-  input  logic [511:0] mem_rsp_data_i,
-  output logic         mem_rsp_ready_o,
+  input  logic                    mem_rsp_valid_i,
+  input  logic [ContextWidth-1:0] mem_rsp_tag_i,
+  input  logic                    mem_rsp_error_i,
+  input  logic [511:0]            mem_rsp_data_i,
+  output logic                    mem_rsp_ready_o,
   // Events of the cycle, for counters.
-  output logic         count_boxes_o,
-  output logic         count_triangles_o,
-  output logic         count_transforms_o,
-  output logic         count_steps_o,
-  output logic         count_fetches_o,
-  output logic         count_rays_o,
-  output logic         count_restarts_o,
-  output logic         count_job_stalls_o,
-  output logic         count_candidates_o
+  output logic                    count_boxes_o,
+  output logic                    count_triangles_o,
+  output logic                    count_transforms_o,
+  output logic                    count_steps_o,
+  output logic                    count_fetches_o,
+  output logic                    count_rays_o,
+  output logic                    count_restarts_o,
+  output logic                    count_job_stalls_o,
+  output logic                    count_candidates_o
 );
 
-  logic        flushes_q;
-  logic        start_taken;
-  logic        block_taken;
-  logic        fault_taken;
-  logic        releases;
-  logic        take;
-  logic        limits_read;
-  logic        step_read;
+  if (Contexts < 8 || Contexts > 64) begin : g_contexts
+    $error("Contexts is %0d, expected 8 to 64", Contexts);
+  end
+
+  if (IdWidth < 1 || IdWidth > 64) begin : g_id_width
+    $error("IdWidth is %0d, expected 1 to 64", IdWidth);
+  end
+
+  logic                    flushes_q;
+  logic                    start_taken;
+  logic                    block_taken;
+  logic                    fault_taken;
+  logic                    releases;
+  logic                    take;
+  logic                    limits_read;
+  logic                    step_read;
   // what is kept of a fetch is there before its request, and so before its block
-  logic        fetches;
-  logic        job_ready;
-  logic [5:0]  hit_context;
-  logic [5:0]  take_context;
-  logic [5:0]  limits_context;
-  logic [5:0]  step_context;
-  logic [5:0]  fetch_context;
-  logic [1:0]  fetch_count;
-  logic [31:0] fetch_extent;
-  logic        issue_take;
-  logic [5:0]  issue_take_context;
-  logic        datapath_input_ready;
-  logic        distance_read;
-  logic [5:0]  distance_read_context;
-  logic        walk_block_taken;
-  logic        walk_fault_taken;
-  logic        walk_start_taken;
-  logic        walk_read;
-  logic [5:0]  walk_read_context;
-  logic        walk_fetches;
-  logic [5:0]  walk_context;
-  logic [1:0]  walk_count;
-  logic [31:0] walk_next_extent;
-  logic        hits_release;
-  logic [5:0]  hits_context;
-  logic        idle;
+  logic                    fetches;
+  logic                    job_ready;
+  logic [ContextWidth-1:0] hit_context;
+  logic [ContextWidth-1:0] take_context;
+  logic [ContextWidth-1:0] limits_context;
+  logic [ContextWidth-1:0] step_context;
+  logic [ContextWidth-1:0] fetch_context;
+  logic [1:0]              fetch_count;
+  logic [31:0]             fetch_extent;
+  logic                    issue_take;
+  logic [ContextWidth-1:0] issue_take_context;
+  logic                    datapath_input_ready;
+  logic                    distance_read;
+  logic [ContextWidth-1:0] distance_read_context;
+  logic                    walk_block_taken;
+  logic                    walk_fault_taken;
+  logic                    walk_start_taken;
+  logic                    walk_read;
+  logic [ContextWidth-1:0] walk_read_context;
+  logic                    walk_fetches;
+  logic [ContextWidth-1:0] walk_context;
+  logic [1:0]              walk_count;
+  logic [31:0]             walk_next_extent;
+  logic                    hits_release;
+  logic [ContextWidth-1:0] hits_context;
+  logic                    idle;
 
   assign start_taken    = walk_start_taken;
   assign block_taken    = walk_block_taken;
@@ -136,31 +149,31 @@ module raypath_unit (
   end
 
   // ---- Rays -----------------------------------------------------------------
-  logic        rays_ready;
-  logic        rays_is_idle;
-  logic        rays_start_valid;
-  logic [5:0]  rays_start_context;
-  logic        rays_start_is_refused;
-  logic [31:0] rays_limits_t_min;
-  logic        rays_limits_culls_clockwise;
-  logic        rays_limits_culls_counter_clockwise;
-  logic [31:0] rays_job_origin_x;
-  logic [31:0] rays_job_origin_y;
-  logic [31:0] rays_job_origin_z;
-  logic [31:0] rays_job_inv_x;
-  logic [31:0] rays_job_inv_y;
-  logic [31:0] rays_job_inv_z;
-  logic [31:0] rays_job_shear_x;
-  logic [31:0] rays_job_shear_y;
-  logic [31:0] rays_job_shear_z;
-  logic [1:0]  rays_job_kx;
-  logic [1:0]  rays_job_ky;
-  logic [1:0]  rays_job_kz;
-  logic [31:0] rays_begin_root;
-  logic [31:0] rays_begin_t_max;
-  logic        rays_begin_any_hit;
+  logic                    rays_ready;
+  logic                    rays_is_idle;
+  logic                    rays_start_valid;
+  logic [ContextWidth-1:0] rays_start_context;
+  logic                    rays_start_is_refused;
+  logic [31:0]             rays_limits_t_min;
+  logic                    rays_limits_culls_clockwise;
+  logic                    rays_limits_culls_counter_clockwise;
+  logic [31:0]             rays_job_origin_x;
+  logic [31:0]             rays_job_origin_y;
+  logic [31:0]             rays_job_origin_z;
+  logic [31:0]             rays_job_inv_x;
+  logic [31:0]             rays_job_inv_y;
+  logic [31:0]             rays_job_inv_z;
+  logic [31:0]             rays_job_shear_x;
+  logic [31:0]             rays_job_shear_y;
+  logic [31:0]             rays_job_shear_z;
+  logic [1:0]              rays_job_kx;
+  logic [1:0]              rays_job_ky;
+  logic [1:0]              rays_job_kz;
+  logic [31:0]             rays_begin_root;
+  logic [31:0]             rays_begin_t_max;
+  logic                    rays_begin_any_hit;
 
-  raypath_unit_rays u_rays (
+  raypath_unit_rays #(.Contexts (Contexts), .IdWidth (IdWidth)) u_rays (
     .clk_i, .rst_ni, .valid_i (ray_valid_i & ~flushes_q), .entry_origin_x_i (ray_origin_x_i),
     .entry_origin_y_i (ray_origin_y_i), .entry_origin_z_i (ray_origin_z_i),
     .entry_dir_x_i (ray_dir_x_i), .entry_dir_y_i (ray_dir_y_i), .entry_dir_z_i (ray_dir_z_i),
@@ -183,61 +196,61 @@ module raypath_unit (
   );
 
   // ---- Blocks and their jobs ------------------------------------------------
-  logic        blocks_arrived;
-  logic        blocks_failed;
-  logic [31:0] blocks_word_0;
-  logic [31:0] blocks_word_1;
-  logic [31:0] blocks_word_2;
-  logic [31:0] blocks_word_3;
-  logic [31:0] blocks_word_4;
-  logic [31:0] blocks_word_5;
-  logic [31:0] blocks_word_6;
-  logic [31:0] blocks_word_7;
-  logic [31:0] blocks_word_8;
-  logic [31:0] blocks_word_9;
-  logic [31:0] blocks_word_10;
-  logic [31:0] blocks_word_11;
-  logic [31:0] blocks_word_12;
-  logic [31:0] blocks_word_13;
-  logic [31:0] blocks_word_14;
-  logic [31:0] blocks_word_15;
-  logic [31:0] blocks_word_16;
-  logic [31:0] blocks_word_17;
-  logic [31:0] blocks_word_18;
-  logic [31:0] blocks_word_19;
-  logic [31:0] blocks_word_20;
-  logic [31:0] blocks_word_21;
-  logic [31:0] blocks_word_22;
-  logic [31:0] blocks_word_23;
-  logic [31:0] blocks_word_24;
-  logic [31:0] blocks_word_25;
-  logic [31:0] blocks_word_26;
-  logic [31:0] blocks_child_0;
-  logic [31:0] blocks_child_1;
-  logic [31:0] blocks_child_2;
-  logic [31:0] blocks_child_3;
-  logic [31:0] blocks_index_0;
-  logic [31:0] blocks_index_1;
-  logic [31:0] blocks_index_2;
-  logic [1:0]  fetched_count;
-  logic [31:0] fetched_extent;
-  logic        issue_offer;
-  logic        issue_fault_valid;
-  logic [5:0]  issue_context;
-  logic        issue_is_node;
-  logic [1:0]  issue_place;
-  logic        issue_is_last;
-  logic [31:0] issue_triangle_0;
-  logic [31:0] issue_triangle_1;
-  logic [31:0] issue_triangle_2;
-  logic [31:0] issue_triangle_3;
-  logic [31:0] issue_triangle_4;
-  logic [31:0] issue_triangle_5;
-  logic [31:0] issue_triangle_6;
-  logic [31:0] issue_triangle_7;
-  logic [31:0] issue_triangle_8;
+  logic                    blocks_arrived;
+  logic                    blocks_failed;
+  logic [31:0]             blocks_word_0;
+  logic [31:0]             blocks_word_1;
+  logic [31:0]             blocks_word_2;
+  logic [31:0]             blocks_word_3;
+  logic [31:0]             blocks_word_4;
+  logic [31:0]             blocks_word_5;
+  logic [31:0]             blocks_word_6;
+  logic [31:0]             blocks_word_7;
+  logic [31:0]             blocks_word_8;
+  logic [31:0]             blocks_word_9;
+  logic [31:0]             blocks_word_10;
+  logic [31:0]             blocks_word_11;
+  logic [31:0]             blocks_word_12;
+  logic [31:0]             blocks_word_13;
+  logic [31:0]             blocks_word_14;
+  logic [31:0]             blocks_word_15;
+  logic [31:0]             blocks_word_16;
+  logic [31:0]             blocks_word_17;
+  logic [31:0]             blocks_word_18;
+  logic [31:0]             blocks_word_19;
+  logic [31:0]             blocks_word_20;
+  logic [31:0]             blocks_word_21;
+  logic [31:0]             blocks_word_22;
+  logic [31:0]             blocks_word_23;
+  logic [31:0]             blocks_word_24;
+  logic [31:0]             blocks_word_25;
+  logic [31:0]             blocks_word_26;
+  logic [31:0]             blocks_child_0;
+  logic [31:0]             blocks_child_1;
+  logic [31:0]             blocks_child_2;
+  logic [31:0]             blocks_child_3;
+  logic [31:0]             blocks_index_0;
+  logic [31:0]             blocks_index_1;
+  logic [31:0]             blocks_index_2;
+  logic [1:0]              fetched_count;
+  logic [31:0]             fetched_extent;
+  logic                    issue_offer;
+  logic                    issue_fault_valid;
+  logic [ContextWidth-1:0] issue_context;
+  logic                    issue_is_node;
+  logic [1:0]              issue_place;
+  logic                    issue_is_last;
+  logic [31:0]             issue_triangle_0;
+  logic [31:0]             issue_triangle_1;
+  logic [31:0]             issue_triangle_2;
+  logic [31:0]             issue_triangle_3;
+  logic [31:0]             issue_triangle_4;
+  logic [31:0]             issue_triangle_5;
+  logic [31:0]             issue_triangle_6;
+  logic [31:0]             issue_triangle_7;
+  logic [31:0]             issue_triangle_8;
 
-  raypath_unit_blocks u_blocks (
+  raypath_unit_blocks #(.Contexts (Contexts)) u_blocks (
     .clk_i, .rst_ni, .valid_i (mem_rsp_valid_i), .context_i (mem_rsp_tag_i),
     .error_i (mem_rsp_error_i), .data_i (mem_rsp_data_i), .job_read_i (take),
     .job_context_i (take_context), .child_read_i (step_read), .child_context_i (step_context),
@@ -256,13 +269,13 @@ module raypath_unit (
     .index_1_o (blocks_index_1), .index_2_o (blocks_index_2)
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (34)) u_fetched (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (34)) u_fetched (
     .clk_i, .write_enable_i (fetches), .write_address_i (fetch_context),
     .write_data_i ({fetch_count, fetch_extent}), .read_enable_i (take),
     .read_address_i (take_context), .read_data_o ({fetched_count, fetched_extent})
   );
 
-  raypath_unit_issue u_issue (
+  raypath_unit_issue #(.Contexts (Contexts)) u_issue (
     .clk_i, .rst_ni, .arrived_i (blocks_arrived), .arrived_failed_i (blocks_failed),
     .arrived_context_i (mem_rsp_tag_i), .count_i (fetched_count), .word_0_i (blocks_word_0),
     .word_1_i (blocks_word_1), .word_2_i (blocks_word_2), .word_3_i (blocks_word_3),
@@ -285,30 +298,39 @@ module raypath_unit (
   );
 
   // ---- The datapath ---------------------------------------------------------
+  logic [8:0]              job_tag;
   // always of boxes: the memory of their outcomes has a word for each context
-  logic        outcome_ready;
-  logic [1:0]  job_opcode;
-  logic        datapath_output_valid;
-  logic [1:0]  datapath_opcode;
-  logic [1:0]  datapath_box_index_0;
-  logic [1:0]  datapath_box_index_1;
-  logic [1:0]  datapath_box_index_2;
-  logic [1:0]  datapath_box_index_3;
-  logic        datapath_facing;
-  logic [3:0]  datapath_is_intersect;
-  logic [31:0] datapath_t_denom;
-  logic [31:0] datapath_t_num;
-  logic [8:0]  datapath_tag;
-  logic [31:0] unused_datapath_tmin_0;
-  logic [31:0] datapath_tmin_1;
-  logic [31:0] datapath_tmin_2;
-  logic [31:0] datapath_tmin_3;
-  logic        datapath_triangle_hit;
-  logic        is_boxes;
-  logic [5:0]  outcome_context;
-  logic        job_enters;
-  logic        other_enters;
-  logic        distance_ready;
+  logic                    outcome_ready;
+  logic [1:0]              job_opcode;
+  logic                    datapath_output_valid;
+  logic [1:0]              datapath_opcode;
+  logic [1:0]              datapath_box_index_0;
+  logic [1:0]              datapath_box_index_1;
+  logic [1:0]              datapath_box_index_2;
+  logic [1:0]              datapath_box_index_3;
+  logic                    datapath_facing;
+  logic [3:0]              datapath_is_intersect;
+  logic [31:0]             datapath_t_denom;
+  logic [31:0]             datapath_t_num;
+  logic [8:0]              datapath_tag;
+  logic                    unused_datapath_tag;
+  logic [31:0]             unused_datapath_tmin_0;
+  logic [31:0]             datapath_tmin_1;
+  logic [31:0]             datapath_tmin_2;
+  logic [31:0]             datapath_tmin_3;
+  logic                    datapath_triangle_hit;
+  logic                    is_boxes;
+  logic [ContextWidth-1:0] outcome_context;
+  logic                    job_enters;
+  logic                    other_enters;
+  logic                    distance_ready;
+
+  always_comb begin
+    job_tag = '0;
+    job_tag[ContextWidth+2:0] = {issue_context, issue_place, issue_is_last};
+  end
+
+  assign unused_datapath_tag = ^datapath_tag;
 
   assign outcome_ready = is_boxes | distance_ready;
   assign job_opcode    = issue_is_node ? raypath_pkg::OpQuadbox : raypath_pkg::OpTriangle;
@@ -332,38 +354,37 @@ module raypath_unit (
     .aabb_2_z_min_i (blocks_word_14), .aabb_2_z_max_i (blocks_word_17),
     .aabb_3_x_min_i (blocks_word_18), .aabb_3_x_max_i (blocks_word_21),
     .aabb_3_y_min_i (blocks_word_19), .aabb_3_y_max_i (blocks_word_22),
-    .aabb_3_z_min_i (blocks_word_20), .aabb_3_z_max_i (blocks_word_23),
-    .tag_i ({issue_context, issue_place, issue_is_last}), .triangle_a_x_i (issue_triangle_0),
-    .triangle_a_y_i (issue_triangle_1), .triangle_a_z_i (issue_triangle_2),
-    .triangle_b_x_i (issue_triangle_3), .triangle_b_y_i (issue_triangle_4),
-    .triangle_b_z_i (issue_triangle_5), .triangle_c_x_i (issue_triangle_6),
-    .triangle_c_y_i (issue_triangle_7), .triangle_c_z_i (issue_triangle_8),
-    .input_ready_o (datapath_input_ready), .output_valid_o (datapath_output_valid),
-    .opcode_o (datapath_opcode), .box_index_0_o (datapath_box_index_0),
-    .box_index_1_o (datapath_box_index_1), .box_index_2_o (datapath_box_index_2),
-    .box_index_3_o (datapath_box_index_3), .facing_o (datapath_facing),
-    .is_intersect_o (datapath_is_intersect), .t_denom_o (datapath_t_denom),
-    .t_num_o (datapath_t_num), .tag_o (datapath_tag), .tmin_0_o (unused_datapath_tmin_0),
-    .tmin_1_o (datapath_tmin_1), .tmin_2_o (datapath_tmin_2), .tmin_3_o (datapath_tmin_3),
-    .triangle_hit_o (datapath_triangle_hit)
+    .aabb_3_z_min_i (blocks_word_20), .aabb_3_z_max_i (blocks_word_23), .tag_i (job_tag),
+    .triangle_a_x_i (issue_triangle_0), .triangle_a_y_i (issue_triangle_1),
+    .triangle_a_z_i (issue_triangle_2), .triangle_b_x_i (issue_triangle_3),
+    .triangle_b_y_i (issue_triangle_4), .triangle_b_z_i (issue_triangle_5),
+    .triangle_c_x_i (issue_triangle_6), .triangle_c_y_i (issue_triangle_7),
+    .triangle_c_z_i (issue_triangle_8), .input_ready_o (datapath_input_ready),
+    .output_valid_o (datapath_output_valid), .opcode_o (datapath_opcode),
+    .box_index_0_o (datapath_box_index_0), .box_index_1_o (datapath_box_index_1),
+    .box_index_2_o (datapath_box_index_2), .box_index_3_o (datapath_box_index_3),
+    .facing_o (datapath_facing), .is_intersect_o (datapath_is_intersect),
+    .t_denom_o (datapath_t_denom), .t_num_o (datapath_t_num), .tag_o (datapath_tag),
+    .tmin_0_o (unused_datapath_tmin_0), .tmin_1_o (datapath_tmin_1), .tmin_2_o (datapath_tmin_2),
+    .tmin_3_o (datapath_tmin_3), .triangle_hit_o (datapath_triangle_hit)
   );
 
   assign is_boxes        = datapath_opcode == raypath_pkg::OpQuadbox;
-  assign outcome_context = datapath_tag[8:3];
+  assign outcome_context = datapath_tag[ContextWidth+2:3];
   assign job_enters      = issue_offer & datapath_input_ready;
   assign other_enters    = job_enters & ~issue_is_node;
 
   // ---- Distances of triangles -----------------------------------------------
-  logic        distance_valid;
-  logic [5:0]  distance_context;
-  logic        distance_closest_is_hit;
-  logic [31:0] distance_closest_t;
-  logic [31:0] distance_closest_t_num;
-  logic [31:0] distance_closest_t_denom;
-  logic        distance_closest_is_clockwise;
-  logic [31:0] distance_closest_primitive;
+  logic                    distance_valid;
+  logic [ContextWidth-1:0] distance_context;
+  logic                    distance_closest_is_hit;
+  logic [31:0]             distance_closest_t;
+  logic [31:0]             distance_closest_t_num;
+  logic [31:0]             distance_closest_t_denom;
+  logic                    distance_closest_is_clockwise;
+  logic [31:0]             distance_closest_primitive;
 
-  raypath_unit_distance u_distance (
+  raypath_unit_distance #(.Contexts (Contexts)) u_distance (
     .clk_i, .rst_ni, .valid_i (datapath_output_valid & ~is_boxes), .context_i (outcome_context),
     .place_i (datapath_tag[2:1]), .is_last_i (datapath_tag[0]), .is_hit_i (datapath_triangle_hit),
     .is_front_i (datapath_facing), .t_num_i (datapath_t_num), .t_denom_i (datapath_t_denom),
@@ -390,7 +411,7 @@ module raypath_unit (
   logic [31:0] walk_next_nodes;
   logic [31:0] walk_next_triangles;
 
-  raypath_unit_walk u_walk (
+  raypath_unit_walk #(.Contexts (Contexts)) u_walk (
     .clk_i, .rst_ni, .flush_i (flushes_q), .node_limit_i,
     .boxes_valid_i (datapath_output_valid & is_boxes), .boxes_context_i (outcome_context),
     .block_valid_i (distance_valid), .block_context_i (distance_context),
@@ -422,13 +443,13 @@ module raypath_unit (
   logic [24:0] requests_block;
   logic        hits_valid;
 
-  raypath_queue #(.Depth (64), .Width (31)) u_requests (
+  raypath_queue #(.Depth (Contexts), .Width (ContextWidth + 25)) u_requests (
     .clk_i, .rst_ni, .push_i (walk_fetches), .pop_i (mem_req_ready_i),
     .data_i ({walk_context, walk_block}), .valid_o (mem_req_valid_o),
     .data_o ({mem_req_tag_o, requests_block})
   );
 
-  raypath_unit_hits u_hits (
+  raypath_unit_hits #(.Contexts (Contexts)) u_hits (
     .clk_i, .rst_ni, .ends_i (walk_ends), .context_i (walk_context), .status_i (walk_status),
     .ready_i (hit_ready_i | flushes_q), .next_extent_i (walk_next_extent),
     .next_primitive_i (walk_next_primitive), .next_t_num_i (walk_next_t_num),

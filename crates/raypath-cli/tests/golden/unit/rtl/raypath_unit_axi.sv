@@ -6,9 +6,14 @@
 //
 // A traversal unit, or a cluster of them, with an AXI4 read master as its memory port.
 // A block is a burst of 2 beats of 64 bytes; its id is the context, 6 bits.
-// With caches, a line is a burst.
+// With caches, a line is a burst. By default, reads are of normal memory that is bufferable and not
+// cacheable, unprivileged, of data, and not secure.
 
 module raypath_unit_axi #(
+  // Those of units.
+  parameter  logic [31:0]            Contexts       = 64,
+  parameter  logic [31:0]            IdWidth        = 16,
+  localparam logic [31:0]            AddressWidth   = 32,
   // Units, each with a cache of its own: its sets, a power of two, or 0 for none; its ways, the
   // lines that it fetches at a time, and the bytes of a line: a block, or 2 or 4.
   parameter  logic [31:0]            Units          = 1,
@@ -24,83 +29,84 @@ module raypath_unit_axi #(
   parameter  logic [3:0]             ArQos          = 4'b0000,
   parameter  logic [31:0]            ArUserWidth    = 1,
   parameter  logic [ArUserWidth-1:0] ArUser         = '0,
-  localparam logic [31:0]            AddressWidth   = 32,
   localparam logic [31:0]            DataWidth      = 512,
   localparam logic [31:0]            UnitWidth      = $clog2(Units),
-  localparam logic [31:0]            ContextWidth   = 6,
+  localparam logic [31:0]            ContextWidth   = $clog2(Contexts),
   localparam logic [31:0]            LowerWidth     = (CacheSets == 0) ? ContextWidth
                                                     : $clog2(CacheMisses),
   localparam logic [31:0]            TagWidth       = UnitWidth + LowerWidth
 ) (
-  input  logic                   clk_i,
-  input  logic                   rst_ni,
-  input  logic                   flush_i,
-  input  logic [31:0]            node_limit_i,
-  input  logic                   invalidate_i,
-  output logic                   idle_o,
-  output logic                   busy_o,
-  output logic                   timed_out_o,
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    flush_i,
+  input  logic [31:0]             node_limit_i,
+  input  logic                    invalidate_i,
+  output logic                    idle_o,
+  output logic                    busy_o,
+  output logic                    timed_out_o,
   // A ray enters where valid and ready are 1.
-  input  logic                   ray_valid_i,
-  input  logic [15:0]            ray_id_i,
-  input  logic [9:0]             ray_flags_i,
-  input  logic [31:0]            ray_root_i,
-  input  logic [31:0]            ray_origin_x_i,
-  input  logic [31:0]            ray_origin_y_i,
-  input  logic [31:0]            ray_origin_z_i,
-  input  logic [31:0]            ray_dir_x_i,
-  input  logic [31:0]            ray_dir_y_i,
-  input  logic [31:0]            ray_dir_z_i,
-  input  logic [31:0]            ray_tmin_i,
-  input  logic [31:0]            ray_tmax_i,
-  output logic                   ray_ready_o,
+  input  logic                    ray_valid_i,
+  input  logic [IdWidth-1:0]      ray_id_i,
+  input  logic [9:0]              ray_flags_i,
+  input  logic [31:0]             ray_root_i,
+  input  logic [31:0]             ray_origin_x_i,
+  input  logic [31:0]             ray_origin_y_i,
+  input  logic [31:0]             ray_origin_z_i,
+  input  logic [31:0]             ray_dir_x_i,
+  input  logic [31:0]             ray_dir_y_i,
+  input  logic [31:0]             ray_dir_z_i,
+  input  logic [31:0]             ray_tmin_i,
+  input  logic [31:0]             ray_tmax_i,
+  output logic                    ray_ready_o,
   // The hit of a ray that has ended, in the order of the ends; it stays until ready is 1.
-  input  logic                   hit_ready_i,
-  output logic                   hit_valid_o,
-  output logic [15:0]            hit_id_o,
-  output logic [2:0]             hit_status_o,
-  output logic [31:0]            hit_t_o,
-  output logic [31:0]            hit_primitive_o,
-  output logic [31:0]            hit_t_num_o,
-  output logic [31:0]            hit_t_denom_o,
-  output logic                   hit_back_face_o,
-  output logic [31:0]            hit_nodes_o,
-  output logic [31:0]            hit_triangles_o,
+  input  logic                    hit_ready_i,
+  output logic                    hit_valid_o,
+  output logic [IdWidth-1:0]      hit_id_o,
+  output logic [2:0]              hit_status_o,
+  output logic [31:0]             hit_t_o,
+  output logic [31:0]             hit_primitive_o,
+  output logic [31:0]             hit_t_num_o,
+  output logic [31:0]             hit_t_denom_o,
+  output logic                    hit_back_face_o,
+  output logic [31:0]             hit_nodes_o,
+  output logic [31:0]             hit_triangles_o,
   // Events of the cycle, for counters.
-  output logic [Units-1:0]       count_boxes_o,
-  output logic [Units-1:0]       count_triangles_o,
-  output logic [Units-1:0]       count_transforms_o,
-  output logic [Units-1:0]       count_steps_o,
-  output logic [Units-1:0]       count_fetches_o,
-  output logic [Units-1:0]       count_rays_o,
-  output logic [Units-1:0]       count_restarts_o,
-  output logic [Units-1:0]       count_job_stalls_o,
-  output logic [Units-1:0]       count_candidates_o,
-  output logic [Units-1:0]       count_cache_hits_o,
-  output logic [Units-1:0]       count_cache_merges_o,
-  output logic [Units-1:0]       count_cache_misses_o,
+  output logic [Units-1:0]        count_boxes_o,
+  output logic [Units-1:0]        count_triangles_o,
+  output logic [Units-1:0]        count_transforms_o,
+  output logic [Units-1:0]        count_steps_o,
+  output logic [Units-1:0]        count_fetches_o,
+  output logic [Units-1:0]        count_rays_o,
+  output logic [Units-1:0]        count_restarts_o,
+  output logic [Units-1:0]        count_job_stalls_o,
+  output logic [Units-1:0]        count_candidates_o,
+  output logic [Units-1:0]        count_cache_hits_o,
+  output logic [Units-1:0]        count_cache_merges_o,
+  output logic [Units-1:0]        count_cache_misses_o,
   // The AXI4 channel of read addresses.
-  input  logic                   m_axi_arready,
-  output logic [TagWidth-1:0]    m_axi_arid,
-  output logic [31:0]            m_axi_araddr,
-  output logic [7:0]             m_axi_arlen,
-  output logic [2:0]             m_axi_arsize,
-  output logic [1:0]             m_axi_arburst,
-  output logic                   m_axi_arlock,
-  output logic [3:0]             m_axi_arcache,
-  output logic [2:0]             m_axi_arprot,
-  output logic [3:0]             m_axi_arqos,
-  output logic [ArUserWidth-1:0] m_axi_aruser,
-  output logic                   m_axi_arvalid,
+  input  logic                    m_axi_arready,
+  output logic [TagWidth-1:0]     m_axi_arid,
+  output logic [AddressWidth-1:0] m_axi_araddr,
+  output logic [7:0]              m_axi_arlen,
+  output logic [2:0]              m_axi_arsize,
+  output logic [1:0]              m_axi_arburst,
+  output logic                    m_axi_arlock,
+  output logic [3:0]              m_axi_arcache,
+  output logic [2:0]              m_axi_arprot,
+  output logic [3:0]              m_axi_arqos,
+  output logic [ArUserWidth-1:0]  m_axi_aruser,
+  output logic                    m_axi_arvalid,
   // The AXI4 channel of read data.
-  input  logic [TagWidth-1:0]    m_axi_rid,
-  input  logic [511:0]           m_axi_rdata,
-  input  logic [1:0]             m_axi_rresp,
-  input  logic                   m_axi_rlast,
-  input  logic                   m_axi_rvalid,
-  output logic                   m_axi_rready
+  input  logic [TagWidth-1:0]     m_axi_rid,
+  input  logic [511:0]            m_axi_rdata,
+  input  logic [1:0]              m_axi_rresp,
+  input  logic                    m_axi_rlast,
+  input  logic                    m_axi_rvalid,
+  output logic                    m_axi_rready
 );
 
+  localparam logic [31:0] BeatBytes  = DataWidth / 8;
+  localparam logic [31:0] BeatBits   = $clog2(BeatBytes);
   localparam logic [31:0] BurstBytes = (CacheSets == 0) ? 128 : CacheLineBytes;
 
   logic                    mem_req_valid;
@@ -123,6 +129,7 @@ module raypath_unit_axi #(
   logic [DataWidth-1:0]    rsp_data;
 
   raypath_cluster #(
+    .Contexts (Contexts), .IdWidth (IdWidth),
     .Units (Units), .CacheSets (CacheSets), .CacheWays (CacheWays), .CacheMisses (CacheMisses),
     .CacheLineBytes (CacheLineBytes)
   ) u_cluster (
@@ -169,17 +176,28 @@ module raypath_unit_axi #(
     );
   end
 
-  raypath_axi_reader #(
-    .AddressWidth (AddressWidth), .DataWidth (DataWidth), .BurstBytes (BurstBytes),
-    .IdWidth (TagWidth), .ArCache (ArCache), .ArProt (ArProt), .ArQos (ArQos),
-    .ArUserWidth (ArUserWidth), .ArUser (ArUser)
-  ) u_reader (
-    .req_valid_i (req_valid), .req_addr_i (req_addr), .req_tag_i (req_tag),
-    .req_ready_o (req_ready), .rsp_valid_o (rsp_valid), .rsp_tag_o (rsp_tag),
-    .rsp_error_o (rsp_error), .rsp_data_o (rsp_data), .rsp_ready_i (rsp_ready),
-    .m_axi_arready, .m_axi_arvalid, .m_axi_arid, .m_axi_araddr, .m_axi_arlen, .m_axi_arsize,
-    .m_axi_arburst, .m_axi_arlock, .m_axi_arcache, .m_axi_arprot, .m_axi_arqos, .m_axi_aruser,
-    .m_axi_rvalid, .m_axi_rid, .m_axi_rdata, .m_axi_rresp, .m_axi_rlast, .m_axi_rready
-  );
+  // Bursts increment. They are aligned to their length, so that none crosses 4 KiB.
+  assign m_axi_arvalid = req_valid;
+  assign m_axi_arid    = req_tag;
+  assign m_axi_araddr  = req_addr;
+  assign m_axi_arlen   = 8'(BurstBytes / BeatBytes - 1);
+  assign m_axi_arsize  = 3'(BeatBits);
+  assign m_axi_arburst = 2'b01;
+  assign m_axi_arlock  = 1'b0;
+  assign m_axi_arcache = ArCache;
+  assign m_axi_arprot  = ArProt;
+  assign m_axi_arqos   = ArQos;
+  assign m_axi_aruser  = ArUser;
+  assign req_ready     = m_axi_arready;
+
+  assign rsp_valid    = m_axi_rvalid;
+  assign rsp_tag      = m_axi_rid;
+  assign rsp_error    = (m_axi_rresp != 2'b00);
+  assign rsp_data     = m_axi_rdata;
+  assign m_axi_rready = rsp_ready;
+
+  // Readers count the beats of each burst.
+  logic unused_rlast;
+  assign unused_rlast = m_axi_rlast;
 
 endmodule : raypath_unit_axi

@@ -6,55 +6,58 @@
 //
 // The blocks of 64 contexts, which arrive in 2 beats of 512 bits.
 
-module raypath_unit_blocks (
-  input  logic         clk_i,
-  input  logic         rst_ni,
-  input  logic         valid_i,
-  input  logic [5:0]   context_i,
-  input  logic         error_i,
-  input  logic [511:0] data_i,
-  input  logic         job_read_i,
-  input  logic [5:0]   job_context_i,
-  input  logic         child_read_i,
-  input  logic [5:0]   child_context_i,
-  input  logic         index_read_i,
-  input  logic [5:0]   index_context_i,
-  output logic         arrived_o,
-  output logic         failed_o,
-  output logic [31:0]  word_0_o,
-  output logic [31:0]  word_1_o,
-  output logic [31:0]  word_2_o,
-  output logic [31:0]  word_3_o,
-  output logic [31:0]  word_4_o,
-  output logic [31:0]  word_5_o,
-  output logic [31:0]  word_6_o,
-  output logic [31:0]  word_7_o,
-  output logic [31:0]  word_8_o,
-  output logic [31:0]  word_9_o,
-  output logic [31:0]  word_10_o,
-  output logic [31:0]  word_11_o,
-  output logic [31:0]  word_12_o,
-  output logic [31:0]  word_13_o,
-  output logic [31:0]  word_14_o,
-  output logic [31:0]  word_15_o,
-  output logic [31:0]  word_16_o,
-  output logic [31:0]  word_17_o,
-  output logic [31:0]  word_18_o,
-  output logic [31:0]  word_19_o,
-  output logic [31:0]  word_20_o,
-  output logic [31:0]  word_21_o,
-  output logic [31:0]  word_22_o,
-  output logic [31:0]  word_23_o,
-  output logic [31:0]  word_24_o,
-  output logic [31:0]  word_25_o,
-  output logic [31:0]  word_26_o,
-  output logic [31:0]  child_0_o,
-  output logic [31:0]  child_1_o,
-  output logic [31:0]  child_2_o,
-  output logic [31:0]  child_3_o,
-  output logic [31:0]  index_0_o,
-  output logic [31:0]  index_1_o,
-  output logic [31:0]  index_2_o
+module raypath_unit_blocks #(
+  parameter  logic [31:0] Contexts     = 64,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    valid_i,
+  input  logic [ContextWidth-1:0] context_i,
+  input  logic                    error_i,
+  input  logic [511:0]            data_i,
+  input  logic                    job_read_i,
+  input  logic [ContextWidth-1:0] job_context_i,
+  input  logic                    child_read_i,
+  input  logic [ContextWidth-1:0] child_context_i,
+  input  logic                    index_read_i,
+  input  logic [ContextWidth-1:0] index_context_i,
+  output logic                    arrived_o,
+  output logic                    failed_o,
+  output logic [31:0]             word_0_o,
+  output logic [31:0]             word_1_o,
+  output logic [31:0]             word_2_o,
+  output logic [31:0]             word_3_o,
+  output logic [31:0]             word_4_o,
+  output logic [31:0]             word_5_o,
+  output logic [31:0]             word_6_o,
+  output logic [31:0]             word_7_o,
+  output logic [31:0]             word_8_o,
+  output logic [31:0]             word_9_o,
+  output logic [31:0]             word_10_o,
+  output logic [31:0]             word_11_o,
+  output logic [31:0]             word_12_o,
+  output logic [31:0]             word_13_o,
+  output logic [31:0]             word_14_o,
+  output logic [31:0]             word_15_o,
+  output logic [31:0]             word_16_o,
+  output logic [31:0]             word_17_o,
+  output logic [31:0]             word_18_o,
+  output logic [31:0]             word_19_o,
+  output logic [31:0]             word_20_o,
+  output logic [31:0]             word_21_o,
+  output logic [31:0]             word_22_o,
+  output logic [31:0]             word_23_o,
+  output logic [31:0]             word_24_o,
+  output logic [31:0]             word_25_o,
+  output logic [31:0]             word_26_o,
+  output logic [31:0]             child_0_o,
+  output logic [31:0]             child_1_o,
+  output logic [31:0]             child_2_o,
+  output logic [31:0]             child_3_o,
+  output logic [31:0]             index_0_o,
+  output logic [31:0]             index_1_o,
+  output logic [31:0]             index_2_o
 );
 
   // ---- The beats of each block so far, and whether one had an error ---------
@@ -68,7 +71,7 @@ module raypath_unit_blocks (
   assign next_beat   = progress_beat + 1'b1;
   assign next_failed = failed & ~progress_beat;
 
-  raypath_registers #(.Depth (64), .Width (2)) u_progress (
+  raypath_registers #(.Depth (Contexts), .Width (2)) u_progress (
     .clk_i, .rst_ni, .write_enable_i (valid_i), .address_i (context_i),
     .data_i ({next_beat, next_failed}), .data_o ({progress_beat, progress_failed})
   );
@@ -112,7 +115,7 @@ module raypath_unit_blocks (
   logic [31:0] indices_1_word_29;
   logic [31:0] indices_1_word_30;
 
-  raypath_ram_1r1w #(.Depth (64), .Width (512)) u_jobs_0 (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (512)) u_jobs_0 (
     .clk_i, .write_enable_i (valid_i & ~progress_beat), .write_address_i (context_i),
     .write_data_i ({data_i[31:0], data_i[63:32], data_i[95:64], data_i[127:96], data_i[159:128],
         data_i[191:160], data_i[223:192], data_i[255:224], data_i[287:256], data_i[319:288],
@@ -124,7 +127,7 @@ module raypath_unit_blocks (
         jobs_0_word_11, jobs_0_word_12, jobs_0_word_13, jobs_0_word_14, jobs_0_word_15})
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (352)) u_jobs_1 (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (352)) u_jobs_1 (
     .clk_i, .write_enable_i (valid_i & progress_beat), .write_address_i (context_i),
     .write_data_i ({data_i[31:0], data_i[63:32], data_i[95:64], data_i[127:96], data_i[159:128],
         data_i[191:160], data_i[223:192], data_i[255:224], data_i[287:256], data_i[319:288],
@@ -135,14 +138,14 @@ module raypath_unit_blocks (
         jobs_1_word_26})
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (128)) u_children_1 (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (128)) u_children_1 (
     .clk_i, .write_enable_i (valid_i & progress_beat), .write_address_i (context_i),
     .write_data_i ({data_i[287:256], data_i[319:288], data_i[351:320], data_i[383:352]}),
     .read_enable_i (child_read_i), .read_address_i (child_context_i),
     .read_data_o ({children_1_word_24, children_1_word_25, children_1_word_26, children_1_word_27})
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (96)) u_indices_1 (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (96)) u_indices_1 (
     .clk_i, .write_enable_i (valid_i & progress_beat), .write_address_i (context_i),
     .write_data_i ({data_i[415:384], data_i[447:416], data_i[479:448]}),
     .read_enable_i (index_read_i), .read_address_i (index_context_i),

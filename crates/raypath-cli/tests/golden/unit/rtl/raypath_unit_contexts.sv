@@ -6,27 +6,31 @@
 //
 // Which of 64 contexts have no ray.
 
-module raypath_unit_contexts (
-  input  logic       clk_i,
-  input  logic       rst_ni,
-  input  logic       take_i,
-  input  logic       release_i,
-  input  logic [5:0] released_i,
-  output logic       is_idle_o,
-  output logic       valid_o,
-  output logic [5:0] context_o
+module raypath_unit_contexts #(
+  parameter  logic [31:0] Contexts     = 64,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    take_i,
+  input  logic                    release_i,
+  input  logic [ContextWidth-1:0] released_i,
+  output logic                    is_idle_o,
+  output logic                    valid_o,
+  output logic [ContextWidth-1:0] context_o
 );
 
-  logic [5:0] fresh_q;
-  logic       has_fresh_q;   // contexts from fresh_q on were never used, and are not in the queue
-  logic       is_last;
-  logic       free_valid;
-  logic [5:0] free_context;
-  logic [6:0] taken_q;
+  logic [ContextWidth-1:0] fresh_q;
+  // contexts from fresh_q on were never used, and are not in the queue
+  logic                    has_fresh_q;
+  logic                    is_last;
+  logic                    free_valid;
+  logic [ContextWidth-1:0] free_context;
+  logic [ContextWidth:0]   taken_q;
 
-  assign is_last = take_i & (fresh_q == 6'd63);
+  assign is_last = take_i & (fresh_q == ContextWidth'(Contexts - 32'd1));
 
-  raypath_queue #(.Depth (64), .Width (6)) u_free (
+  raypath_queue #(.Depth (Contexts), .Width (ContextWidth)) u_free (
     .clk_i, .rst_ni, .push_i (release_i), .pop_i (take_i & ~has_fresh_q), .data_i (released_i),
     .valid_o (free_valid), .data_o (free_context)
   );
@@ -35,7 +39,7 @@ module raypath_unit_contexts (
     if (!rst_ni) begin
       fresh_q <= '0;
     end else if (take_i) begin
-      fresh_q <= fresh_q + 6'd1;
+      fresh_q <= fresh_q + ContextWidth'(32'd1);
     end
   end
 
@@ -45,11 +49,11 @@ module raypath_unit_contexts (
       taken_q     <= '0;
     end else begin
       has_fresh_q <= has_fresh_q & ~is_last;
-      taken_q     <= taken_q + {{6{~take_i & release_i}}, take_i ^ release_i};
+      taken_q     <= taken_q + {{ContextWidth{~take_i & release_i}}, take_i ^ release_i};
     end
   end
 
-  assign is_idle_o = taken_q == 7'd0;
+  assign is_idle_o = taken_q == (ContextWidth+1)'(32'd0);
   assign valid_o   = has_fresh_q | free_valid;
   assign context_o = has_fresh_q ? fresh_q : free_context;
 

@@ -6,57 +6,60 @@
 //
 // The distances of triangles by division, and the closest hit of each block.
 
-module raypath_unit_distance (
-  input  logic        clk_i,
-  input  logic        rst_ni,
-  input  logic        valid_i,
-  input  logic [5:0]  context_i,
-  input  logic [1:0]  place_i,
-  input  logic        is_last_i,
-  input  logic        is_hit_i,
-  input  logic        is_front_i,
-  input  logic [31:0] t_num_i,
-  input  logic [31:0] t_denom_i,
-  input  logic [31:0] limits_t_min_i,
-  input  logic        limits_culls_clockwise_i,
-  input  logic        limits_culls_counter_clockwise_i,
-  input  logic [31:0] index_0_i,
-  input  logic [31:0] index_1_i,
-  input  logic [31:0] index_2_i,
-  input  logic        taken_i,
-  output logic        ready_o,
-  output logic        read_o,
-  output logic [5:0]  read_context_o,
-  output logic        valid_o,
-  output logic [5:0]  context_o,
-  output logic        closest_is_hit_o,
-  output logic [31:0] closest_t_o,
-  output logic [31:0] closest_t_num_o,
-  output logic [31:0] closest_t_denom_o,
-  output logic        closest_is_clockwise_o,
-  output logic [31:0] closest_primitive_o
+module raypath_unit_distance #(
+  parameter  logic [31:0] Contexts     = 64,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    valid_i,
+  input  logic [ContextWidth-1:0] context_i,
+  input  logic [1:0]              place_i,
+  input  logic                    is_last_i,
+  input  logic                    is_hit_i,
+  input  logic                    is_front_i,
+  input  logic [31:0]             t_num_i,
+  input  logic [31:0]             t_denom_i,
+  input  logic [31:0]             limits_t_min_i,
+  input  logic                    limits_culls_clockwise_i,
+  input  logic                    limits_culls_counter_clockwise_i,
+  input  logic [31:0]             index_0_i,
+  input  logic [31:0]             index_1_i,
+  input  logic [31:0]             index_2_i,
+  input  logic                    taken_i,
+  output logic                    ready_o,
+  output logic                    read_o,
+  output logic [ContextWidth-1:0] read_context_o,
+  output logic                    valid_o,
+  output logic [ContextWidth-1:0] context_o,
+  output logic                    closest_is_hit_o,
+  output logic [31:0]             closest_t_o,
+  output logic [31:0]             closest_t_num_o,
+  output logic [31:0]             closest_t_denom_o,
+  output logic                    closest_is_clockwise_o,
+  output logic [31:0]             closest_primitive_o
 );
 
   // ---- The operands, and their division -------------------------------------
   // the divider waits as a whole, while a block is complete and not taken
-  logic        moves;
+  logic                    moves;
   // in registers before the divider, because their encoders are slow
-  logic        has_operands_q;
-  logic        divides;
-  logic        ready;
-  logic        enters;
-  logic [32:0] encode_dividend_recoded;
-  logic [32:0] dividend_q;
-  logic [32:0] encode_divisor_recoded;
-  logic [32:0] divisor_q;
-  logic [10:0] operands_tag_q;
-  logic        divider_ready;
-  logic        divider_valid;
-  logic [32:0] divider_result;
-  logic [10:0] divider_tag;
-  logic [31:0] decode_ieee;
-  logic        has_hit_q;
-  logic        folds;
+  logic                    has_operands_q;
+  logic                    divides;
+  logic                    ready;
+  logic                    enters;
+  logic [32:0]             encode_dividend_recoded;
+  logic [32:0]             dividend_q;
+  logic [32:0]             encode_divisor_recoded;
+  logic [32:0]             divisor_q;
+  logic [ContextWidth+4:0] operands_tag_q;
+  logic                    divider_ready;
+  logic                    divider_valid;
+  logic [32:0]             divider_result;
+  logic [ContextWidth+4:0] divider_tag;
+  logic [31:0]             decode_ieee;
+  logic                    has_hit_q;
+  logic                    folds;
 
   assign moves   = ~has_hit_q | folds;
   assign divides = divider_ready;
@@ -71,7 +74,7 @@ module raypath_unit_distance (
     .ieee_i (t_denom_i), .recoded_o (encode_divisor_recoded)
   );
 
-  raypath_div_pipelined_e8s24_l11_tagged #(.Width (11)) u_divider (
+  raypath_div_pipelined_e8s24_l11_tagged #(.Width (ContextWidth + 5)) u_divider (
     .clk_i, .rst_ni, .valid_i (has_operands_q), .ready_i (moves), .a_i (dividend_q),
     .b_i (divisor_q), .tag_i (operands_tag_q), .ready_o (divider_ready), .valid_o (divider_valid),
     .result_o (divider_result), .tag_o (divider_tag)
@@ -97,20 +100,21 @@ module raypath_unit_distance (
 
   // ---- The hit whose limits and index are read ------------------------------
   // behind the divider, so that no word goes through it that a memory has
-  logic        read;
-  logic [31:0] t_q;
-  logic [10:0] tag_q;
-  logic [31:0] fractions_t_num;
-  logic [31:0] fractions_t_denom;
-  logic        is_complete_q;
+  logic                    read;
+  logic [31:0]             t_q;
+  logic [ContextWidth+4:0] tag_q;
+  logic [31:0]             fractions_t_num;
+  logic [31:0]             fractions_t_denom;
+  logic                    is_complete_q;
 
   assign read  = divider_valid & moves;
   assign folds = has_hit_q & (~is_complete_q | taken_i);
 
-  raypath_ram_1r1w #(.Depth (256), .Width (64)) u_fractions (
+  raypath_ram_1r1w #(.Depth (4*Contexts), .Width (64)) u_fractions (
     .clk_i, .write_enable_i (enters), .write_address_i ({context_i, place_i}),
     .write_data_i ({t_num_i, t_denom_i}), .read_enable_i (read),
-    .read_address_i (divider_tag[10:3]), .read_data_o ({fractions_t_num, fractions_t_denom})
+    .read_address_i (divider_tag[ContextWidth+4:3]), .read_data_o ({fractions_t_num,
+        fractions_t_denom})
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -129,23 +133,23 @@ module raypath_unit_distance (
   end
 
   // ---- The closest hit of its block so far ----------------------------------
-  logic [31:0] index;
-  logic        closest_is_hit_q;
-  logic [31:0] closest_t_q;
-  logic [31:0] closest_t_num_q;
-  logic [31:0] closest_t_denom_q;
-  logic        closest_is_clockwise_q;
-  logic [31:0] closest_primitive_q;
-  logic        is_first;
-  logic        equal;
-  logic        below;
-  logic        passes;
-  logic        has_before;
-  logic        unordered;
-  logic        equal_2;
-  logic        less;
-  logic        is_taken;
-  logic [5:0]  context_q;
+  logic [31:0]             index;
+  logic                    closest_is_hit_q;
+  logic [31:0]             closest_t_q;
+  logic [31:0]             closest_t_num_q;
+  logic [31:0]             closest_t_denom_q;
+  logic                    closest_is_clockwise_q;
+  logic [31:0]             closest_primitive_q;
+  logic                    is_first;
+  logic                    equal;
+  logic                    below;
+  logic                    passes;
+  logic                    has_before;
+  logic                    unordered;
+  logic                    equal_2;
+  logic                    less;
+  logic                    is_taken;
+  logic [ContextWidth-1:0] context_q;
 
   assign index      = tag_q[4] ? index_2_i : (tag_q[3] ? index_1_i : index_0_i);
   assign is_first   = tag_q[4:3] == 2'd0;
@@ -172,7 +176,7 @@ module raypath_unit_distance (
       closest_t_denom_q      <= is_taken ? fractions_t_denom : closest_t_denom_q;
       closest_is_clockwise_q <= is_taken ? tag_q[0] : closest_is_clockwise_q;
       closest_primitive_q    <= is_taken ? index : closest_primitive_q;
-      context_q              <= tag_q[10:5];
+      context_q              <= tag_q[ContextWidth+4:5];
     end
   end
 
@@ -187,7 +191,7 @@ module raypath_unit_distance (
   // ---- Outputs --------------------------------------------------------------
   assign ready_o                = ready;
   assign read_o                 = read;
-  assign read_context_o         = divider_tag[10:5];
+  assign read_context_o         = divider_tag[ContextWidth+4:5];
   assign valid_o                = is_complete_q;
   assign context_o              = context_q;
   assign closest_is_hit_o       = closest_is_hit_q;

@@ -6,57 +6,60 @@
 //
 // The hits of rays that have ended, in the order of their ends.
 
-module raypath_unit_hits (
-  input  logic        clk_i,
-  input  logic        rst_ni,
-  input  logic        ends_i,
-  input  logic [5:0]  context_i,
-  input  logic [2:0]  status_i,
-  input  logic        ready_i,
-  input  logic [31:0] next_extent_i,
-  input  logic [31:0] next_primitive_i,
-  input  logic [31:0] next_t_num_i,
-  input  logic [31:0] next_t_denom_i,
-  input  logic        next_back_face_i,
-  input  logic [31:0] next_nodes_i,
-  input  logic [31:0] next_triangles_i,
-  output logic        release_o,
-  output logic [5:0]  context_o,
-  output logic        valid_o,
-  output logic [2:0]  status_o,
-  output logic [31:0] t_o,
-  output logic [31:0] primitive_o,
-  output logic [31:0] t_num_o,
-  output logic [31:0] t_denom_o,
-  output logic        back_face_o,
-  output logic [31:0] nodes_o,
-  output logic [31:0] triangles_o
+module raypath_unit_hits #(
+  parameter  logic [31:0] Contexts     = 64,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    ends_i,
+  input  logic [ContextWidth-1:0] context_i,
+  input  logic [2:0]              status_i,
+  input  logic                    ready_i,
+  input  logic [31:0]             next_extent_i,
+  input  logic [31:0]             next_primitive_i,
+  input  logic [31:0]             next_t_num_i,
+  input  logic [31:0]             next_t_denom_i,
+  input  logic                    next_back_face_i,
+  input  logic [31:0]             next_nodes_i,
+  input  logic [31:0]             next_triangles_i,
+  output logic                    release_o,
+  output logic [ContextWidth-1:0] context_o,
+  output logic                    valid_o,
+  output logic [2:0]              status_o,
+  output logic [31:0]             t_o,
+  output logic [31:0]             primitive_o,
+  output logic [31:0]             t_num_o,
+  output logic [31:0]             t_denom_o,
+  output logic                    back_face_o,
+  output logic [31:0]             nodes_o,
+  output logic [31:0]             triangles_o
 );
 
-  logic        is_hit;
+  logic                    is_hit;
   // its context is free already: the memory keeps the word that it has read
-  logic        valid_q;
-  logic        takes;
-  logic        ended_valid;
-  logic [5:0]  ended_context;
-  logic [2:0]  hits_status;
-  logic [31:0] hits_t;
-  logic [31:0] hits_primitive;
-  logic [31:0] hits_t_num;
-  logic [31:0] hits_t_denom;
-  logic        hits_back_face;
-  logic [31:0] hits_nodes;
-  logic [31:0] hits_triangles;
+  logic                    valid_q;
+  logic                    takes;
+  logic                    ended_valid;
+  logic [ContextWidth-1:0] ended_context;
+  logic [2:0]              hits_status;
+  logic [31:0]             hits_t;
+  logic [31:0]             hits_primitive;
+  logic [31:0]             hits_t_num;
+  logic [31:0]             hits_t_denom;
+  logic                    hits_back_face;
+  logic [31:0]             hits_nodes;
+  logic [31:0]             hits_triangles;
 
   assign is_hit = status_i == raypath_unit_pkg::StatusHit;
   assign takes  = ended_valid & (~valid_q | ready_i);
 
-  raypath_queue #(.Depth (64), .Width (6)) u_ended (
+  raypath_queue #(.Depth (Contexts), .Width (ContextWidth)) u_ended (
     .clk_i, .rst_ni, .push_i (ends_i), .pop_i (takes), .data_i (context_i), .valid_o (ended_valid),
     .data_o (ended_context)
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (196)) u_hits (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (196)) u_hits (
     .clk_i, .write_enable_i (ends_i), .write_address_i (context_i),
     .write_data_i ({status_i, next_extent_i & {32{is_hit}}, next_primitive_i & {32{is_hit}},
         next_t_num_i & {32{is_hit}}, next_t_denom_i & {32{is_hit}}, next_back_face_i & is_hit,

@@ -7,77 +7,80 @@
 // The jobs of blocks, in the order in which the blocks arrive: one of a node, or one for each
 // triangle.
 
-module raypath_unit_issue (
-  input  logic        clk_i,
-  input  logic        rst_ni,
-  input  logic        arrived_i,
-  input  logic        arrived_failed_i,
-  input  logic [5:0]  arrived_context_i,
-  input  logic [1:0]  count_i,
-  input  logic [31:0] word_0_i,
-  input  logic [31:0] word_1_i,
-  input  logic [31:0] word_2_i,
-  input  logic [31:0] word_3_i,
-  input  logic [31:0] word_4_i,
-  input  logic [31:0] word_5_i,
-  input  logic [31:0] word_6_i,
-  input  logic [31:0] word_7_i,
-  input  logic [31:0] word_8_i,
-  input  logic [31:0] word_9_i,
-  input  logic [31:0] word_10_i,
-  input  logic [31:0] word_11_i,
-  input  logic [31:0] word_12_i,
-  input  logic [31:0] word_13_i,
-  input  logic [31:0] word_14_i,
-  input  logic [31:0] word_15_i,
-  input  logic [31:0] word_16_i,
-  input  logic [31:0] word_17_i,
-  input  logic [31:0] word_18_i,
-  input  logic [31:0] word_19_i,
-  input  logic [31:0] word_20_i,
-  input  logic [31:0] word_21_i,
-  input  logic [31:0] word_22_i,
-  input  logic [31:0] word_23_i,
-  input  logic [31:0] word_24_i,
-  input  logic [31:0] word_25_i,
-  input  logic [31:0] word_26_i,
-  input  logic        ready_i,
-  input  logic        fault_taken_i,
-  output logic        take_o,
-  output logic [5:0]  take_context_o,
-  output logic        offer_o,
-  output logic        fault_valid_o,
-  output logic [5:0]  context_o,
-  output logic        is_node_o,
-  output logic [1:0]  place_o,
-  output logic        is_last_o,
-  output logic [31:0] triangle_0_o,
-  output logic [31:0] triangle_1_o,
-  output logic [31:0] triangle_2_o,
-  output logic [31:0] triangle_3_o,
-  output logic [31:0] triangle_4_o,
-  output logic [31:0] triangle_5_o,
-  output logic [31:0] triangle_6_o,
-  output logic [31:0] triangle_7_o,
-  output logic [31:0] triangle_8_o
+module raypath_unit_issue #(
+  parameter  logic [31:0] Contexts     = 64,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    arrived_i,
+  input  logic                    arrived_failed_i,
+  input  logic [ContextWidth-1:0] arrived_context_i,
+  input  logic [1:0]              count_i,
+  input  logic [31:0]             word_0_i,
+  input  logic [31:0]             word_1_i,
+  input  logic [31:0]             word_2_i,
+  input  logic [31:0]             word_3_i,
+  input  logic [31:0]             word_4_i,
+  input  logic [31:0]             word_5_i,
+  input  logic [31:0]             word_6_i,
+  input  logic [31:0]             word_7_i,
+  input  logic [31:0]             word_8_i,
+  input  logic [31:0]             word_9_i,
+  input  logic [31:0]             word_10_i,
+  input  logic [31:0]             word_11_i,
+  input  logic [31:0]             word_12_i,
+  input  logic [31:0]             word_13_i,
+  input  logic [31:0]             word_14_i,
+  input  logic [31:0]             word_15_i,
+  input  logic [31:0]             word_16_i,
+  input  logic [31:0]             word_17_i,
+  input  logic [31:0]             word_18_i,
+  input  logic [31:0]             word_19_i,
+  input  logic [31:0]             word_20_i,
+  input  logic [31:0]             word_21_i,
+  input  logic [31:0]             word_22_i,
+  input  logic [31:0]             word_23_i,
+  input  logic [31:0]             word_24_i,
+  input  logic [31:0]             word_25_i,
+  input  logic [31:0]             word_26_i,
+  input  logic                    ready_i,
+  input  logic                    fault_taken_i,
+  output logic                    take_o,
+  output logic [ContextWidth-1:0] take_context_o,
+  output logic                    offer_o,
+  output logic                    fault_valid_o,
+  output logic [ContextWidth-1:0] context_o,
+  output logic                    is_node_o,
+  output logic [1:0]              place_o,
+  output logic                    is_last_o,
+  output logic [31:0]             triangle_0_o,
+  output logic [31:0]             triangle_1_o,
+  output logic [31:0]             triangle_2_o,
+  output logic [31:0]             triangle_3_o,
+  output logic [31:0]             triangle_4_o,
+  output logic [31:0]             triangle_5_o,
+  output logic [31:0]             triangle_6_o,
+  output logic [31:0]             triangle_7_o,
+  output logic [31:0]             triangle_8_o
 );
 
   // with the last job of a block, because the words of the next come a cycle later
-  logic       take;
-  logic       arrivals_valid;
-  logic [5:0] arrivals_context;
-  logic       arrivals_failed;
-  logic       busy_q;
-  logic       failed_q;
-  logic [5:0] context_q;
-  logic [1:0] place_q;
-  logic [1:0] next_place;
-  logic       leaves;
-  logic       ends;
+  logic                    take;
+  logic                    arrivals_valid;
+  logic [ContextWidth-1:0] arrivals_context;
+  logic                    arrivals_failed;
+  logic                    busy_q;
+  logic                    failed_q;
+  logic [ContextWidth-1:0] context_q;
+  logic [1:0]              place_q;
+  logic [1:0]              next_place;
+  logic                    leaves;
+  logic                    ends;
 
   assign take = arrivals_valid & (~busy_q | ends);
 
-  raypath_queue #(.Depth (64), .Width (7)) u_arrivals (
+  raypath_queue #(.Depth (Contexts), .Width (ContextWidth + 1)) u_arrivals (
     .clk_i, .rst_ni, .push_i (arrived_i), .pop_i (take),
     .data_i ({arrived_context_i, arrived_failed_i}), .valid_o (arrivals_valid),
     .data_o ({arrivals_context, arrivals_failed})

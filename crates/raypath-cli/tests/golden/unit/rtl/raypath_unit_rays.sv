@@ -6,85 +6,89 @@
 //
 // The contexts of rays, the set-up of rays, and what is kept of them.
 
-module raypath_unit_rays (
-  input  logic        clk_i,
-  input  logic        rst_ni,
-  input  logic        valid_i,
-  input  logic [31:0] entry_origin_x_i,
-  input  logic [31:0] entry_origin_y_i,
-  input  logic [31:0] entry_origin_z_i,
-  input  logic [31:0] entry_dir_x_i,
-  input  logic [31:0] entry_dir_y_i,
-  input  logic [31:0] entry_dir_z_i,
-  input  logic [31:0] entry_t_min_i,
-  input  logic [31:0] entry_t_max_i,
-  input  logic [15:0] id_i,
-  input  logic [9:0]  flags_i,
-  input  logic [31:0] root_i,
-  input  logic        start_taken_i,
-  input  logic        release_i,
-  input  logic [5:0]  hit_context_i,
-  input  logic        job_read_i,
-  input  logic [5:0]  job_context_i,
-  input  logic        limits_read_i,
-  input  logic [5:0]  limits_context_i,
-  input  logic        step_read_i,
-  input  logic [5:0]  step_context_i,
-  output logic        ready_o,
-  output logic        is_idle_o,
-  output logic        start_valid_o,
-  output logic [5:0]  start_context_o,
-  output logic        start_is_refused_o,
-  output logic [15:0] id_o,
-  output logic [31:0] limits_t_min_o,
-  output logic        limits_culls_clockwise_o,
-  output logic        limits_culls_counter_clockwise_o,
-  output logic [31:0] job_origin_x_o,
-  output logic [31:0] job_origin_y_o,
-  output logic [31:0] job_origin_z_o,
-  output logic [31:0] job_inv_x_o,
-  output logic [31:0] job_inv_y_o,
-  output logic [31:0] job_inv_z_o,
-  output logic [31:0] job_shear_x_o,
-  output logic [31:0] job_shear_y_o,
-  output logic [31:0] job_shear_z_o,
-  output logic [1:0]  job_kx_o,
-  output logic [1:0]  job_ky_o,
-  output logic [1:0]  job_kz_o,
-  output logic [31:0] begin_root_o,
-  output logic [31:0] begin_t_max_o,
-  output logic        begin_any_hit_o
+module raypath_unit_rays #(
+  parameter  logic [31:0] Contexts     = 64,
+  parameter  logic [31:0] IdWidth      = 16,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    valid_i,
+  input  logic [31:0]             entry_origin_x_i,
+  input  logic [31:0]             entry_origin_y_i,
+  input  logic [31:0]             entry_origin_z_i,
+  input  logic [31:0]             entry_dir_x_i,
+  input  logic [31:0]             entry_dir_y_i,
+  input  logic [31:0]             entry_dir_z_i,
+  input  logic [31:0]             entry_t_min_i,
+  input  logic [31:0]             entry_t_max_i,
+  input  logic [IdWidth-1:0]      id_i,
+  input  logic [9:0]              flags_i,
+  input  logic [31:0]             root_i,
+  input  logic                    start_taken_i,
+  input  logic                    release_i,
+  input  logic [ContextWidth-1:0] hit_context_i,
+  input  logic                    job_read_i,
+  input  logic [ContextWidth-1:0] job_context_i,
+  input  logic                    limits_read_i,
+  input  logic [ContextWidth-1:0] limits_context_i,
+  input  logic                    step_read_i,
+  input  logic [ContextWidth-1:0] step_context_i,
+  output logic                    ready_o,
+  output logic                    is_idle_o,
+  output logic                    start_valid_o,
+  output logic [ContextWidth-1:0] start_context_o,
+  output logic                    start_is_refused_o,
+  output logic [IdWidth-1:0]      id_o,
+  output logic [31:0]             limits_t_min_o,
+  output logic                    limits_culls_clockwise_o,
+  output logic                    limits_culls_counter_clockwise_o,
+  output logic [31:0]             job_origin_x_o,
+  output logic [31:0]             job_origin_y_o,
+  output logic [31:0]             job_origin_z_o,
+  output logic [31:0]             job_inv_x_o,
+  output logic [31:0]             job_inv_y_o,
+  output logic [31:0]             job_inv_z_o,
+  output logic [31:0]             job_shear_x_o,
+  output logic [31:0]             job_shear_y_o,
+  output logic [31:0]             job_shear_z_o,
+  output logic [1:0]              job_kx_o,
+  output logic [1:0]              job_ky_o,
+  output logic [1:0]              job_kz_o,
+  output logic [31:0]             begin_root_o,
+  output logic [31:0]             begin_t_max_o,
+  output logic                    begin_any_hit_o
 );
 
   // ---- A ray enters a free context ------------------------------------------
-  logic        enters;
-  logic        contexts_valid;
-  logic [5:0]  contexts_context;
-  logic        both;
-  logic        mixed;
-  logic        any_face;
-  logic        faces;
-  logic        is_meaningless;
-  logic        set_up_ready;
-  logic        set_up_valid;
-  logic [5:0]  set_up_context;
-  logic        set_up_is_refused;
-  logic [31:0] set_up_inv_x;
-  logic [31:0] set_up_inv_y;
-  logic [31:0] set_up_inv_z;
-  logic [31:0] set_up_shear_x;
-  logic [31:0] set_up_shear_y;
-  logic [31:0] set_up_shear_z;
-  logic [1:0]  set_up_kx;
-  logic [1:0]  set_up_ky;
-  logic [1:0]  set_up_kz;
-  logic        ready;
-  logic        unused_flag;
+  logic                    enters;
+  logic                    contexts_valid;
+  logic [ContextWidth-1:0] contexts_context;
+  logic                    both;
+  logic                    mixed;
+  logic                    any_face;
+  logic                    faces;
+  logic                    is_meaningless;
+  logic                    set_up_ready;
+  logic                    set_up_valid;
+  logic [ContextWidth-1:0] set_up_context;
+  logic                    set_up_is_refused;
+  logic [31:0]             set_up_inv_x;
+  logic [31:0]             set_up_inv_y;
+  logic [31:0]             set_up_inv_z;
+  logic [31:0]             set_up_shear_x;
+  logic [31:0]             set_up_shear_y;
+  logic [31:0]             set_up_shear_z;
+  logic [1:0]              set_up_kx;
+  logic [1:0]              set_up_ky;
+  logic [1:0]              set_up_kz;
+  logic                    ready;
+  logic                    unused_flag;
 
   assign unused_flag = flags_i[raypath_unit_pkg::RayFlagSkipClosestHitShader];
   assign enters      = valid_i & ready;
 
-  raypath_unit_contexts u_contexts (
+  raypath_unit_contexts #(.Contexts (Contexts)) u_contexts (
     .clk_i, .rst_ni, .take_i (enters), .release_i, .released_i (hit_context_i), .is_idle_o,
     .valid_o (contexts_valid), .context_o (contexts_context)
   );
@@ -103,7 +107,7 @@ module raypath_unit_rays (
   assign is_meaningless = both | mixed | faces | (flags_i[raypath_unit_pkg::RayFlagSkipTriangles] &
       flags_i[raypath_unit_pkg::RayFlagSkipAabbs]);
 
-  raypath_unit_set_up u_set_up (
+  raypath_unit_set_up #(.Contexts (Contexts)) u_set_up (
     .clk_i, .rst_ni, .valid_i (valid_i & contexts_valid), .entry_origin_x_i, .entry_origin_y_i,
     .entry_origin_z_i, .entry_dir_x_i, .entry_dir_y_i, .entry_dir_z_i, .entry_t_min_i,
     .entry_t_max_i, .is_meaningless_i (is_meaningless), .context_i (contexts_context),
@@ -116,35 +120,35 @@ module raypath_unit_rays (
   assign ready = set_up_ready & contexts_valid;
 
   // ---- What is kept of it, by reader ----------------------------------------
-  logic        culls_all;
-  logic        limits_write_limits_culls_clockwise;
-  logic        limits_write_limits_culls_counter_clockwise;
-  logic [15:0] ids_id;
-  logic [31:0] origins_origin_x;
-  logic [31:0] origins_origin_y;
-  logic [31:0] origins_origin_z;
-  logic [31:0] limits_limits_t_min;
-  logic        limits_limits_culls_clockwise;
-  logic        limits_limits_culls_counter_clockwise;
-  logic [31:0] begins_root;
-  logic [31:0] begins_t_max;
-  logic        begins_any_hit;
-  logic [31:0] constants_inv_x;
-  logic [31:0] constants_inv_y;
-  logic [31:0] constants_inv_z;
-  logic [31:0] constants_shear_x;
-  logic [31:0] constants_shear_y;
-  logic [31:0] constants_shear_z;
-  logic [1:0]  constants_kx;
-  logic [1:0]  constants_ky;
-  logic [1:0]  constants_kz;
+  logic               culls_all;
+  logic               limits_write_limits_culls_clockwise;
+  logic               limits_write_limits_culls_counter_clockwise;
+  logic [IdWidth-1:0] ids_id;
+  logic [31:0]        origins_origin_x;
+  logic [31:0]        origins_origin_y;
+  logic [31:0]        origins_origin_z;
+  logic [31:0]        limits_limits_t_min;
+  logic               limits_limits_culls_clockwise;
+  logic               limits_limits_culls_counter_clockwise;
+  logic [31:0]        begins_root;
+  logic [31:0]        begins_t_max;
+  logic               begins_any_hit;
+  logic [31:0]        constants_inv_x;
+  logic [31:0]        constants_inv_y;
+  logic [31:0]        constants_inv_z;
+  logic [31:0]        constants_shear_x;
+  logic [31:0]        constants_shear_y;
+  logic [31:0]        constants_shear_z;
+  logic [1:0]         constants_kx;
+  logic [1:0]         constants_ky;
+  logic [1:0]         constants_kz;
 
-  raypath_ram_1r1w #(.Depth (64), .Width (16)) u_ids (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (IdWidth)) u_ids (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context), .write_data_i (id_i),
     .read_enable_i (release_i), .read_address_i (hit_context_i), .read_data_o (ids_id)
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (96)) u_origins (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (96)) u_origins (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
     .write_data_i ({entry_origin_x_i, entry_origin_y_i, entry_origin_z_i}),
     .read_enable_i (job_read_i), .read_address_i (job_context_i),
@@ -159,7 +163,7 @@ module raypath_unit_rays (
   assign limits_write_limits_culls_counter_clockwise =
       flags_i[raypath_unit_pkg::RayFlagCullFrontFacingTriangles] | culls_all;
 
-  raypath_ram_1r1w #(.Depth (64), .Width (34)) u_limits (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (34)) u_limits (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
     .write_data_i ({entry_t_min_i, limits_write_limits_culls_clockwise,
         limits_write_limits_culls_counter_clockwise}),
@@ -168,14 +172,14 @@ module raypath_unit_rays (
         limits_limits_culls_counter_clockwise})
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (65)) u_begins (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (65)) u_begins (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
     .write_data_i ({root_i, entry_t_max_i, flags_i[raypath_unit_pkg::RayFlagTerminateOnFirstHit]}),
     .read_enable_i (step_read_i), .read_address_i (step_context_i),
     .read_data_o ({begins_root, begins_t_max, begins_any_hit})
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (198)) u_constants (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (198)) u_constants (
     .clk_i, .write_enable_i (set_up_valid), .write_address_i (set_up_context),
     .write_data_i ({set_up_inv_x, set_up_inv_y, set_up_inv_z, set_up_shear_x, set_up_shear_y,
         set_up_shear_z, set_up_kx, set_up_ky, set_up_kz}),
@@ -185,7 +189,7 @@ module raypath_unit_rays (
   );
 
   // ---- Rays that begin ------------------------------------------------------
-  raypath_queue #(.Depth (64), .Width (7)) u_starts (
+  raypath_queue #(.Depth (Contexts), .Width (ContextWidth + 1)) u_starts (
     .clk_i, .rst_ni, .push_i (set_up_valid), .pop_i (start_taken_i),
     .data_i ({set_up_context, set_up_is_refused}), .valid_o (start_valid_o),
     .data_o ({start_context_o, start_is_refused_o})

@@ -6,33 +6,36 @@
 //
 // The constants of rays, from one divider that each ray uses five times.
 
-module raypath_unit_set_up (
-  input  logic        clk_i,
-  input  logic        rst_ni,
-  input  logic        valid_i,
-  input  logic [31:0] entry_origin_x_i,
-  input  logic [31:0] entry_origin_y_i,
-  input  logic [31:0] entry_origin_z_i,
-  input  logic [31:0] entry_dir_x_i,
-  input  logic [31:0] entry_dir_y_i,
-  input  logic [31:0] entry_dir_z_i,
-  input  logic [31:0] entry_t_min_i,
-  input  logic [31:0] entry_t_max_i,
-  input  logic        is_meaningless_i,
-  input  logic [5:0]  context_i,
-  output logic        ready_o,
-  output logic        valid_o,
-  output logic [5:0]  context_o,
-  output logic        is_refused_o,
-  output logic [31:0] inv_x_o,
-  output logic [31:0] inv_y_o,
-  output logic [31:0] inv_z_o,
-  output logic [31:0] shear_x_o,
-  output logic [31:0] shear_y_o,
-  output logic [31:0] shear_z_o,
-  output logic [1:0]  kx_o,
-  output logic [1:0]  ky_o,
-  output logic [1:0]  kz_o
+module raypath_unit_set_up #(
+  parameter  logic [31:0] Contexts     = 64,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    valid_i,
+  input  logic [31:0]             entry_origin_x_i,
+  input  logic [31:0]             entry_origin_y_i,
+  input  logic [31:0]             entry_origin_z_i,
+  input  logic [31:0]             entry_dir_x_i,
+  input  logic [31:0]             entry_dir_y_i,
+  input  logic [31:0]             entry_dir_z_i,
+  input  logic [31:0]             entry_t_min_i,
+  input  logic [31:0]             entry_t_max_i,
+  input  logic                    is_meaningless_i,
+  input  logic [ContextWidth-1:0] context_i,
+  output logic                    ready_o,
+  output logic                    valid_o,
+  output logic [ContextWidth-1:0] context_o,
+  output logic                    is_refused_o,
+  output logic [31:0]             inv_x_o,
+  output logic [31:0]             inv_y_o,
+  output logic [31:0]             inv_z_o,
+  output logic [31:0]             shear_x_o,
+  output logic [31:0]             shear_y_o,
+  output logic [31:0]             shear_z_o,
+  output logic [1:0]              kx_o,
+  output logic [1:0]              ky_o,
+  output logic [1:0]              kz_o
 );
 
   logic unused_origin;
@@ -41,19 +44,19 @@ module raypath_unit_set_up (
       entry_origin_y_i[22:0], entry_origin_z_i[31], entry_origin_z_i[22:0]};
 
   // ---- The ray whose operands enter the divider, and the number of the next quotient
-  logic        busy_q;
-  logic [2:0]  number_q;
-  logic        is_last;
-  logic        ready;             // with the last operands of the ray before it
-  logic        enters;
-  logic [31:0] dir_x_q;
-  logic [31:0] dir_y_q;
-  logic [31:0] dir_z_q;
-  logic        finite;
-  logic        has_range;
-  logic        entry_is_refused;
-  logic        is_refused_q;
-  logic [5:0]  context_q;
+  logic                    busy_q;
+  logic [2:0]              number_q;
+  logic                    is_last;
+  logic                    ready;             // with the last operands of the ray before it
+  logic                    enters;
+  logic [31:0]             dir_x_q;
+  logic [31:0]             dir_y_q;
+  logic [31:0]             dir_z_q;
+  logic                    finite;
+  logic                    has_range;
+  logic                    entry_is_refused;
+  logic                    is_refused_q;
+  logic [ContextWidth-1:0] context_q;
 
   assign is_last = number_q == 3'd4;
   assign ready   = ~busy_q | is_last;
@@ -141,22 +144,22 @@ module raypath_unit_set_up (
   end
 
   // ---- The operands, and their division: a quotient is always taken ---------
-  logic [31:0] along_z_2;
-  logic [31:0] encode_dividend_ieee;
-  logic [31:0] encode_divisor_ieee;
+  logic [31:0]             along_z_2;
+  logic [31:0]             encode_dividend_ieee;
+  logic [31:0]             encode_divisor_ieee;
   // in registers before the divider, because their encoders are slow
-  logic        has_operands_q;
-  logic [32:0] encode_dividend_recoded;
-  logic [32:0] dividend_q;
-  logic [32:0] encode_divisor_recoded;
-  logic [32:0] divisor_q;
-  logic [13:0] operands_tag_q;
-  logic        divider_ready;
-  logic        divider_valid;
-  logic [32:0] divider_result;
-  logic [13:0] divider_tag;
-  logic [31:0] decode_ieee;
-  logic        unused_ready;
+  logic                    has_operands_q;
+  logic [32:0]             encode_dividend_recoded;
+  logic [32:0]             dividend_q;
+  logic [32:0]             encode_divisor_recoded;
+  logic [32:0]             divisor_q;
+  logic [ContextWidth+7:0] operands_tag_q;
+  logic                    divider_ready;
+  logic                    divider_valid;
+  logic [32:0]             divider_result;
+  logic [ContextWidth+7:0] divider_tag;
+  logic [31:0]             decode_ieee;
+  logic                    unused_ready;
 
   assign encode_dividend_ieee = (number_q == 3'd4) ? ((axis_ky_q == 2'd0) ? dir_x_q : ((axis_ky_q ==
       2'd1) ? dir_y_q : dir_z_q)) : ((number_q == 3'd3) ? ((axis_kx_q == 2'd0) ? dir_x_q :
@@ -175,7 +178,7 @@ module raypath_unit_set_up (
     .ieee_i (encode_divisor_ieee), .recoded_o (encode_divisor_recoded)
   );
 
-  raypath_div_pipelined_e8s24_l11_tagged #(.Width (14)) u_divider (
+  raypath_div_pipelined_e8s24_l11_tagged #(.Width (ContextWidth + 8)) u_divider (
     .clk_i, .rst_ni, .valid_i (has_operands_q), .ready_i (1'b1), .a_i (dividend_q),
     .b_i (divisor_q), .tag_i (operands_tag_q), .ready_o (divider_ready), .valid_o (divider_valid),
     .result_o (divider_result), .tag_o (divider_tag)
@@ -217,7 +220,7 @@ module raypath_unit_set_up (
 
   assign ready_o      = ready;
   assign valid_o      = divider_valid & divider_tag[0];
-  assign context_o    = divider_tag[13:8];
+  assign context_o    = divider_tag[ContextWidth+7:8];
   assign shear_z      = (divider_tag[2:1] == 2'd0) ? quotient_0_q : ((divider_tag[2:1] == 2'd1) ?
       quotient_1_q : quotient_2_q);
   assign is_refused_o = divider_tag[7] | (&shear_z[30:23]);

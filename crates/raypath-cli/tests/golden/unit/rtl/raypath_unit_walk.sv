@@ -9,112 +9,115 @@
 // there is no
 // bypass. The stages never wait: the queues behind them have a word for each context.
 
-module raypath_unit_walk (
-  input  logic        clk_i,
-  input  logic        rst_ni,
-  input  logic        flush_i,
-  input  logic [31:0] node_limit_i,
-  input  logic        boxes_valid_i,
-  input  logic [5:0]  boxes_context_i,
-  input  logic        block_valid_i,
-  input  logic [5:0]  block_context_i,
-  input  logic        fault_valid_i,
-  input  logic [5:0]  fault_context_i,
-  input  logic        start_valid_i,
-  input  logic [5:0]  start_context_i,
-  input  logic        start_is_refused_i,
-  input  logic [3:0]  boxes_hit_i,
-  input  logic [31:0] boxes_tmin_0_i,
-  input  logic [31:0] boxes_tmin_1_i,
-  input  logic [31:0] boxes_tmin_2_i,
-  input  logic [1:0]  boxes_box_index_0_i,
-  input  logic [1:0]  boxes_box_index_1_i,
-  input  logic [1:0]  boxes_box_index_2_i,
-  input  logic [1:0]  boxes_box_index_3_i,
-  input  logic        closest_is_hit_i,
-  input  logic [31:0] closest_t_i,
-  input  logic [31:0] closest_t_num_i,
-  input  logic [31:0] closest_t_denom_i,
-  input  logic        closest_is_clockwise_i,
-  input  logic [31:0] closest_primitive_i,
-  input  logic [31:0] child_0_i,
-  input  logic [31:0] child_1_i,
-  input  logic [31:0] child_2_i,
-  input  logic [31:0] child_3_i,
-  input  logic [31:0] begin_root_i,
-  input  logic [31:0] begin_t_max_i,
-  input  logic        begin_any_hit_i,
-  output logic        block_taken_o,
-  output logic        fault_taken_o,
-  output logic        start_taken_o,
-  output logic        read_o,
-  output logic [5:0]  read_context_o,
-  output logic        fetches_o,
-  output logic        ends_o,
-  output logic [5:0]  context_o,
-  output logic        steps_o,
-  output logic        restarts_o,
-  output logic [24:0] block_o,
-  output logic [1:0]  count_o,
-  output logic [2:0]  status_o,
-  output logic [31:0] next_extent_o,
-  output logic [31:0] next_t_num_o,
-  output logic [31:0] next_t_denom_o,
-  output logic        next_back_face_o,
-  output logic [31:0] next_primitive_o,
-  output logic [31:0] next_nodes_o,
-  output logic [31:0] next_triangles_o
+module raypath_unit_walk #(
+  parameter  logic [31:0] Contexts     = 64,
+  localparam logic [31:0] ContextWidth = $clog2(Contexts)
+) (
+  input  logic                    clk_i,
+  input  logic                    rst_ni,
+  input  logic                    flush_i,
+  input  logic [31:0]             node_limit_i,
+  input  logic                    boxes_valid_i,
+  input  logic [ContextWidth-1:0] boxes_context_i,
+  input  logic                    block_valid_i,
+  input  logic [ContextWidth-1:0] block_context_i,
+  input  logic                    fault_valid_i,
+  input  logic [ContextWidth-1:0] fault_context_i,
+  input  logic                    start_valid_i,
+  input  logic [ContextWidth-1:0] start_context_i,
+  input  logic                    start_is_refused_i,
+  input  logic [3:0]              boxes_hit_i,
+  input  logic [31:0]             boxes_tmin_0_i,
+  input  logic [31:0]             boxes_tmin_1_i,
+  input  logic [31:0]             boxes_tmin_2_i,
+  input  logic [1:0]              boxes_box_index_0_i,
+  input  logic [1:0]              boxes_box_index_1_i,
+  input  logic [1:0]              boxes_box_index_2_i,
+  input  logic [1:0]              boxes_box_index_3_i,
+  input  logic                    closest_is_hit_i,
+  input  logic [31:0]             closest_t_i,
+  input  logic [31:0]             closest_t_num_i,
+  input  logic [31:0]             closest_t_denom_i,
+  input  logic                    closest_is_clockwise_i,
+  input  logic [31:0]             closest_primitive_i,
+  input  logic [31:0]             child_0_i,
+  input  logic [31:0]             child_1_i,
+  input  logic [31:0]             child_2_i,
+  input  logic [31:0]             child_3_i,
+  input  logic [31:0]             begin_root_i,
+  input  logic [31:0]             begin_t_max_i,
+  input  logic                    begin_any_hit_i,
+  output logic                    block_taken_o,
+  output logic                    fault_taken_o,
+  output logic                    start_taken_o,
+  output logic                    read_o,
+  output logic [ContextWidth-1:0] read_context_o,
+  output logic                    fetches_o,
+  output logic                    ends_o,
+  output logic [ContextWidth-1:0] context_o,
+  output logic                    steps_o,
+  output logic                    restarts_o,
+  output logic [24:0]             block_o,
+  output logic [1:0]              count_o,
+  output logic [2:0]              status_o,
+  output logic [31:0]             next_extent_o,
+  output logic [31:0]             next_t_num_o,
+  output logic [31:0]             next_t_denom_o,
+  output logic                    next_back_face_o,
+  output logic [31:0]             next_primitive_o,
+  output logic [31:0]             next_nodes_o,
+  output logic [31:0]             next_triangles_o
 );
 
   // ---- The answer that is taken, and the state of its ray -------------------
-  logic        again_taken;
-  logic        again_asked;
-  logic [5:0]  asked_context;
-  logic        continues_valid;
-  logic [5:0]  continues_context;
-  logic        boxes_taken;
-  logic        tested_valid;
-  logic [5:0]  tested_context;
-  logic [4:0]  scheduler_request;
-  logic [4:0]  scheduler_grant;
-  logic        read;
-  logic [5:0]  granted_context;
-  logic [5:0]  read_context;
-  logic [3:0]  granted_kind;
-  logic [3:0]  granted_kind_2;
-  logic        prepares_q;
-  logic [5:0]  prepared_context_q;
-  logic [3:0]  kind_q;
-  logic [3:0]  outcomes_boxes_hit;
-  logic [31:0] outcomes_boxes_tmin_0;
-  logic [31:0] outcomes_boxes_tmin_1;
-  logic [31:0] outcomes_boxes_tmin_2;
-  logic [1:0]  outcomes_boxes_box_index_0;
-  logic [1:0]  outcomes_boxes_box_index_1;
-  logic [1:0]  outcomes_boxes_box_index_2;
-  logic [1:0]  outcomes_boxes_box_index_3;
-  logic        closest_is_hit_q;
-  logic [31:0] closest_t_q;
-  logic [31:0] closest_t_num_q;
-  logic [31:0] closest_t_denom_q;
-  logic        closest_is_clockwise_q;
-  logic [31:0] closest_primitive_q;
-  logic [5:0]  finished_context_q;
-  logic [1:0]  finish_request_kind;
-  logic        goes_on;
+  logic                    again_taken;
+  logic                    again_asked;
+  logic [ContextWidth-1:0] asked_context;
+  logic                    continues_valid;
+  logic [ContextWidth-1:0] continues_context;
+  logic                    boxes_taken;
+  logic                    tested_valid;
+  logic [ContextWidth-1:0] tested_context;
+  logic [4:0]              scheduler_request;
+  logic [4:0]              scheduler_grant;
+  logic                    read;
+  logic [ContextWidth-1:0] granted_context;
+  logic [ContextWidth-1:0] read_context;
+  logic [3:0]              granted_kind;
+  logic [3:0]              granted_kind_2;
+  logic                    prepares_q;
+  logic [ContextWidth-1:0] prepared_context_q;
+  logic [3:0]              kind_q;
+  logic [3:0]              outcomes_boxes_hit;
+  logic [31:0]             outcomes_boxes_tmin_0;
+  logic [31:0]             outcomes_boxes_tmin_1;
+  logic [31:0]             outcomes_boxes_tmin_2;
+  logic [1:0]              outcomes_boxes_box_index_0;
+  logic [1:0]              outcomes_boxes_box_index_1;
+  logic [1:0]              outcomes_boxes_box_index_2;
+  logic [1:0]              outcomes_boxes_box_index_3;
+  logic                    closest_is_hit_q;
+  logic [31:0]             closest_t_q;
+  logic [31:0]             closest_t_num_q;
+  logic [31:0]             closest_t_denom_q;
+  logic                    closest_is_clockwise_q;
+  logic [31:0]             closest_primitive_q;
+  logic [ContextWidth-1:0] finished_context_q;
+  logic [1:0]              finish_request_kind;
+  logic                    goes_on;
 
   assign again_taken   = scheduler_grant[4];
   assign again_asked   = goes_on & (finish_request_kind == raypath_unit_pkg::RequestContinue);
   assign asked_context = finished_context_q;
 
-  raypath_queue #(.Depth (64), .Width (6)) u_continues (
+  raypath_queue #(.Depth (Contexts), .Width (ContextWidth)) u_continues (
     .clk_i, .rst_ni, .push_i (again_asked), .pop_i (again_taken), .data_i (asked_context),
     .valid_o (continues_valid), .data_o (continues_context)
   );
 
   assign boxes_taken = scheduler_grant[0];
 
-  raypath_queue #(.Depth (64), .Width (6)) u_tested (
+  raypath_queue #(.Depth (Contexts), .Width (ContextWidth)) u_tested (
     .clk_i, .rst_ni, .push_i (boxes_valid_i), .pop_i (boxes_taken), .data_i (boxes_context_i),
     .valid_o (tested_valid), .data_o (tested_context)
   );
@@ -127,12 +130,14 @@ module raypath_unit_walk (
   );
 
   assign read            = |scheduler_grant;
-  assign granted_context = (tested_context & {6{scheduler_grant[0]}}) | (block_context_i &
-      {6{scheduler_grant[1]}}) | (fault_context_i & {6{scheduler_grant[2]}});
-  assign read_context    = granted_context | (start_context_i & {6{scheduler_grant[3]}}) |
-      (continues_context & {6{scheduler_grant[4]}});
+  assign granted_context = (tested_context & {ContextWidth{scheduler_grant[0]}}) | (block_context_i
+      &
+      {ContextWidth{scheduler_grant[1]}}) | (fault_context_i & {ContextWidth{scheduler_grant[2]}});
+  assign read_context    = granted_context | (start_context_i & {ContextWidth{scheduler_grant[3]}})
+      |
+      (continues_context & {ContextWidth{scheduler_grant[4]}});
 
-  raypath_ram_1r1w #(.Depth (64), .Width (108)) u_outcomes (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (108)) u_outcomes (
     .clk_i, .write_enable_i (boxes_valid_i), .write_address_i (boxes_context_i),
     .write_data_i ({boxes_hit_i, boxes_tmin_0_i, boxes_tmin_1_i, boxes_tmin_2_i,
         boxes_box_index_0_i, boxes_box_index_1_i, boxes_box_index_2_i, boxes_box_index_3_i}),
@@ -501,7 +506,7 @@ module raypath_unit_walk (
     .request_group_tmin_2_o (finish_request_group_tmin_2), .request_status_o (status_o)
   );
 
-  raypath_ram_1r1w #(.Depth (64), .Width (444)) u_states (
+  raypath_ram_1r1w #(.Depth (Contexts), .Width (444)) u_states (
     .clk_i, .write_enable_i (finishes_q), .write_address_i (finished_context_q),
     .write_data_i ({finish_next_extent, finish_next_has_hit, finish_next_t_num, finish_next_t_denom,
         finish_next_back_face, finish_next_primitive, finish_next_nodes, finish_next_triangles,
@@ -517,7 +522,7 @@ module raypath_unit_walk (
         states_leaf_left})
   );
 
-  raypath_ram_1r1w #(.Depth (512), .Width (195)) u_stack (
+  raypath_ram_1r1w #(.Depth (8*Contexts), .Width (195)) u_stack (
     .clk_i, .write_enable_i (finishes_q & finish_request_writes),
     .write_address_i ({finished_context_q, finish_request_level[2:0]}),
     .write_data_i ({finish_request_group_present, finish_request_group_child_0,
