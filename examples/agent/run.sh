@@ -26,9 +26,14 @@ if ! pkg-config --exists raypath; then
   [ -d "$folder/libraypath" ] || scripts/install-libraypath.sh "$folder/libraypath" >>"$build/log"
 fi
 
-# The ports of the unit, and the widths of four of them.
-ports=$(sed -n '/^module/,/^);/s/^ *\(input\|output\) *logic *\(\[\([0-9]*\):0\]\)\? *\([a-z_0-9]*\).*/\4 \3/p' \
-  "$folder/rtl/raypath_unit.sv")
+# The ports of the unit, and the widths of four of them, of which some are parameters.
+unit=$folder/rtl/raypath_unit.sv
+parameter() { sed -n "s/^  parameter *logic \[31:0\] $1 *= *\([0-9]*\).*/\1/p" "$unit"; }
+context=0
+while (((1 << context) < $(parameter Contexts))); do context=$((context + 1)); done
+ports=$(sed -n "/^) (/,/^);/{s/ContextWidth-1/$((context - 1))/;s/IdWidth-1/$(($(parameter IdWidth) - 1))/
+  s/AddressWidth-1/$(($(parameter AddressWidth) - 1))/
+  s/^ *\(input\|output\) *logic *\(\[\([^:]*\):0\]\)\? *\([a-z_0-9]*\).*/\4 \3/p}" "$unit")
 awk '{ print (NR > 1 ? ", ." : ".") $1 "(bus." $1 ")" }' <<<"$ports" >"$build/raypath_unit_ports.svh"
 options=$(awk 'BEGIN { name["ray_id_i"] = "Id"; name["mem_req_tag_o"] = "Tag"; name["mem_req_addr_o"] = "Address"
   name["mem_rsp_data_i"] = "Memory" } $1 in name { print "-G" name[$1] "Width=" $2 + 1 }' <<<"$ports")
