@@ -70,6 +70,16 @@ fn documented(language: &str) -> Vec<String> {
     text.split(&begin).skip(1).filter_map(|block| block.split("```").next()).map(str::to_string).collect()
 }
 
+/// The driver of the device on a model of the device around the library's unit.
+#[test]
+fn the_driver_of_the_device_runs_on_a_model_of_it() {
+    let software = root().join("software");
+    let (driver, include) = (software.join("raypath_driver.c"), format!("-I{}", software.display()));
+    let flags = ["-std=c11", &include, driver.to_str().expect("a path")];
+    let said = compile_and_run("cc", "../../../../examples/device/model.c", &flags, false);
+    assert!(said.contains("3000 rays"), "{said}");
+}
+
 #[test]
 fn arrays_are_right_in_double_precision() {
     compile_and_run("cc", "arrays.c", &["-std=c11"], false);

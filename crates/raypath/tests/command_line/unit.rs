@@ -43,8 +43,7 @@ fn the_unit_is_written_listed_and_checked() {
     let listed: Vec<&str> = listed.into_iter().chain(structured).chain(of_device.iter().map(String::as_str)).collect();
     assert_eq!(listed.iter().copied().collect::<BTreeSet<_>>(), modules);
     assert_eq!(listed.len(), modules.len(), "a module is listed twice");
-    let of_axi = ["arbiter", "cache", "cluster", "guard", "unit_axi"]
-        .map(|name| format!("rtl/raypath_{name}.sv\n"));
+    let of_axi = ["arbiter", "cache", "cluster", "guard", "unit_axi"].map(|name| format!("rtl/raypath_{name}.sv\n"));
     assert_eq!(with_axi, list.clone() + &of_axi.concat());
     assert_eq!(list.lines().last(), Some("rtl/raypath_unit.sv"));
     for manifest in ["raypath_unit.core", "Bender.yml"] {
