@@ -11,6 +11,7 @@ mod modules;
 pub mod mutants;
 pub mod proofs;
 mod setting;
+mod system;
 
 use campaign::Counts;
 use mutants::{Fate, Mutant, MutatedModule};

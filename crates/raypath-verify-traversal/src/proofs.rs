@@ -4,6 +4,7 @@ use super::bindings;
 use super::claims::{CLAIMS, Claim, alike, queues};
 use super::setting::LEAST;
 pub use super::setting::{Setting, Variant};
+use super::system;
 use raypath_hdl::Module;
 use raypath_hdl::verilog::RAM;
 use raypath_tools::ToolError;
@@ -36,10 +37,10 @@ fn more() -> [UnitParameters; 3] {
 }
 
 /// The beginning of an assertion's statement, before and after its name.
-const ASSERTION: [&str; 2] = ["  always_comb ", ": assert ("];
+pub(crate) const ASSERTION: [&str; 2] = ["  always_comb ", ": assert ("];
 
 /// The properties of which only the one of this name is asserted; the others become wires without a reader.
-fn only(properties: &str, name: &str) -> String {
+pub(crate) fn only(properties: &str, name: &str) -> String {
     let assertions = properties.split(ASSERTION[0]).map(|statement| match statement.split_once(ASSERTION[1]) {
         Some((other, _)) if other != name && !other.contains([' ', '\n']) => {
             statement.replacen(&format!("{other}{}", ASSERTION[1]), &format!("  wire p_not_{other} = ("), 1)
@@ -137,10 +138,16 @@ impl Setting {
     }
 }
 
+impl Obligation {
+    /// That the assertions of this text have the result.
+    pub(crate) fn new(name: String, top: String, text: String, method: Method, expected: CheckResult) -> Self {
+        let assertions = text.matches(ASSERTION[1]).count();
+        Self { problem: SafetyProblem { name, top, text, assertions, method }, expected }
+    }
+}
+
 fn obligation(claim: &Claim, name: &str, text: String, method: Method, expected: CheckResult) -> Obligation {
-    let (name, top) = (format!("{}: {name}", claim.module), claim.module.to_string());
-    let assertions = text.matches(ASSERTION[1]).count();
-    Obligation { problem: SafetyProblem { name, top, text, assertions, method }, expected }
+    Obligation::new(format!("{}: {name}", claim.module), claim.module.to_string(), text, method, expected)
 }
 
 /// The obligations of a level: all claims, what must happen and all faults in the least units, and above level
@@ -149,7 +156,7 @@ fn obligation(claim: &Claim, name: &str, text: String, method: Method, expected:
 /// # Errors
 /// A unit cannot be built.
 pub fn obligations(level: Level) -> Result<Vec<Obligation>, Error> {
-    let mut all = Vec::new();
+    let mut all = system::obligations(level > Level::Regression)?;
     for variant in Variant::ALL {
         let least = Setting::least(variant)?;
         all.extend(least.proofs()?);
@@ -165,6 +172,6 @@ pub fn obligations(level: Level) -> Result<Vec<Obligation>, Error> {
 mod tests {
     #[test]
     fn every_fault_is_in_the_text_of_its_module() {
-        assert!(super::obligations(super::Level::Regression).expect("all faults").len() > 80);
+        assert!(super::obligations(super::Level::Regression).expect("all faults").len() > 140);
     }
 }

@@ -39,6 +39,11 @@ impl ModuleTexts {
         Ok(Self { modules: verilog::sources(top, &[])?.into_iter().map(text).collect() })
     }
 
+    /// The names and texts of modules that are written by hand.
+    pub fn of(modules: impl IntoIterator<Item = (String, String)>) -> Self {
+        Self { modules: modules.into_iter().collect() }
+    }
+
     /// Inserts a fault. Returns false if its original text does not occur. The spaces that align lines do not count.
     pub fn insert(&mut self, fault: TextFault) -> bool {
         let Some((_, text)) = self.modules.iter_mut().find(|(name, _)| name == fault.module) else { return false };
