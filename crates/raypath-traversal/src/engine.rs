@@ -153,6 +153,7 @@ impl NetlistEngine {
     pub fn restart_randomly(&mut self, seed: u64) {
         self.simulator.restart_randomly(seed);
         self.arbitrary = seed | 1;
+        (self.counts, self.cycles) = ([0; COUNTS.len()], 0);
     }
 }
 
