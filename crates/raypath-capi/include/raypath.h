@@ -903,6 +903,10 @@ typedef struct {
    */
   uint32_t divider_latency;
   /**
+   * Cycles of a read of the memories of a step: 1 or 2.
+   */
+  uint32_t ram_latency;
+  /**
    * Whether scenes have instances: 0 or 1.
    */
   uint32_t instances;

@@ -34,6 +34,8 @@ pub struct UnitParameters {
     pub address_width: u32,
     /// Cycles of a division.
     pub divider_latency: u32,
+    /// Cycles of a read of the memories of a step: 1 or 2.
+    pub ram_latency: u32,
     /// Whether scenes have instances: 0 or 1.
     pub instances: u32,
     /// What it has of ray queries: 0 for `queries = "none"`, 1 for "flags", 2 for "full".
@@ -92,8 +94,8 @@ pub const RAYPATH_INSTANCE_FORCE_OPAQUE: u32 = 4;
 pub const RAYPATH_INSTANCE_FORCE_NO_OPAQUE: u32 = 8;
 
 /// Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
-/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `instances`, `queries`,
-/// `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default.
+/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `ram-latency`, `instances`,
+/// `queries`, `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default.
 /// Of the features, a unit has `barycentrics` alone. Any thread may call it.
 ///
 /// Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
@@ -165,6 +167,7 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
             id_width: parameters.id_width,
             address_width: parameters.address_width,
             divider_latency: parameters.divider_latency,
+            ram_latency: parameters.ram_latency,
             instances: parameters.step.features.instances.into(),
             queries: match parameters.step.features.queries {
                 Queries::None => 0,

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::expose::Open;
 use crate::netlist::{Driver, Item, MemoryInfo, Module, RegisterInfo, SignalId, remade};
+use std::mem::replace;
 use std::sync::Arc;
 
 /// The most words of a memory that [`expand_memories`] accepts.
@@ -53,10 +54,8 @@ impl Open {
             let width = self.module.signal(column.read).width;
             let mut words = Vec::new();
             for (address, &enable) in enables.iter().enumerate() {
-                let word = self.add(width, Driver::Input);
-                let name = self.fresh(format!("{}_{}_{address}_q", memory.stem(), column.name));
-                self.module.signals[word.index()].name = Some(name);
-                self.hold(word, enable, column.written);
+                let word = self.register(width, format!("{}_{}_{address}_q", memory.stem(), column.name));
+                self.hold(word, Some(enable), column.written);
                 words.push(word);
             }
             let zero = self.add(width, Driver::Constant(0));
@@ -67,16 +66,28 @@ impl Open {
                     .map(|&[if_false, if_true]| self.add(width, Driver::Mux { select, if_true, if_false }))
                     .collect();
             }
-            self.hold(column.read, memory.read_enable, words[0]);
+            let mut read = column.read;
+            if memory.latency == 2 {
+                let before = self.register(width, format!("{}_{}_before_output_q", memory.stem(), column.name));
+                self.hold(replace(&mut read, before), None, before);
+            }
+            self.hold(read, Some(memory.read_enable), words[0]);
         }
         Ok(())
     }
 
+    /// A signal of a register, which [`hold`](Self::hold) makes.
+    fn register(&mut self, width: u32, name: String) -> SignalId {
+        let signal = self.add(width, Driver::Input);
+        self.module.signals[signal.index()].name = Some(self.fresh(name));
+        signal
+    }
+
     /// Drives `signal` by a new register.
-    fn hold(&mut self, signal: SignalId, enable: SignalId, next: SignalId) {
+    fn hold(&mut self, signal: SignalId, enable: Option<SignalId>, next: SignalId) {
         let register = self.module.registers.len();
         self.module.signals[signal.index()].driver = Driver::Register(register);
-        self.module.registers.push(RegisterInfo { signal, next, enable: Some(enable), reset: None, gated: false });
+        self.module.registers.push(RegisterInfo { signal, next, enable, reset: None, gated: false });
         self.module.items.push(Item::Register(register));
     }
 }

@@ -168,14 +168,16 @@ pub struct RegisterInfo {
 /// [`RAM`](crate::verilog::RAM).
 ///
 /// At an edge where the read enable is 1, the columns take the word at the read address as it was before the edge: a
-/// word that is written at the same edge shows its old value. Without the read enable the columns stay. No reset clears
-/// words or columns. Addresses of `depth` or more must not occur; simulators read zero there and write nothing.
+/// word that is written at the same edge shows its old value. Without the read enable the columns stay. With a latency
+/// of 2, the columns are a register that shows all this a cycle later. No reset clears words or columns. Addresses of `depth` or more must not occur; simulators read zero there and write nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MemoryInfo {
     /// The name of its instance in the text.
     pub name: String,
     /// The number of words.
     pub depth: u32,
+    /// The cycles of a read: 1, or 2 with an output register.
+    pub latency: u32,
     /// One bit: a word is written.
     pub write_enable: SignalId,
     /// The address of the word that is written, of [`address_width`](Self::address_width) bits.

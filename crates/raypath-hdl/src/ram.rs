@@ -7,6 +7,8 @@ use std::collections::HashMap;
 /// A memory of a [`Simulator`](crate::Simulator). Its state is only changed at clock edges.
 pub struct SimulatedMemory {
     depth: u64,
+    /// With a latency of 2: the word before the output register.
+    before_output: Option<Vec<u64>>,
     /// The slots of write enable, write address, read enable and read address.
     ports: [usize; 4],
     columns: Vec<Column>,
@@ -33,7 +35,8 @@ impl SimulatedMemory {
         let columns: Vec<Column> = info.columns.iter().filter_map(column).collect();
         let ports = [info.write_enable, info.write_address, info.read_enable, info.read_address];
         let words = vec![0; info.depth as usize * columns.len()];
-        Self { depth: info.depth.into(), ports: ports.map(|id| slots[&id]), columns, words }
+        let before_output = (info.latency == 2).then(|| vec![0; columns.len()]);
+        Self { depth: info.depth.into(), before_output, ports: ports.map(|id| slots[&id]), columns, words }
     }
 
     /// The position in `words` of the column that is read at this node.
@@ -46,11 +49,17 @@ impl SimulatedMemory {
     pub fn edge(&mut self, io: &[u64], next: &mut [u64]) {
         let [write_enable, write_address, read_enable, read_address] = self.ports.map(|slot| io[slot]);
         let size = self.columns.len();
-        if read_enable == 1 {
-            let first = read_address as usize * size;
-            for (place, column) in self.columns.iter().enumerate() {
-                next[column.register] = self.words.get(first + place).copied().unwrap_or(0);
+        let first = read_address as usize * size;
+        let word = (0..size).map(|place| self.words.get(first + place).copied().unwrap_or(0));
+        let registers = self.columns.iter().map(|column| column.register);
+        if let Some(before) = &mut self.before_output {
+            registers.zip(&*before).for_each(|(register, word)| next[register] = *word);
+            if read_enable == 1 {
+                before.clear();
+                before.extend(word);
             }
+        } else if read_enable == 1 {
+            registers.zip(word).for_each(|(register, word)| next[register] = word);
         }
         if write_enable == 1 && write_address < self.depth {
             let first = write_address as usize * size;
@@ -60,10 +69,17 @@ impl SimulatedMemory {
         }
     }
 
+    /// Sets all words to 0.
+    pub fn clear(&mut self) {
+        self.words.fill(0);
+        self.before_output.iter_mut().for_each(|word| word.fill(0));
+    }
+
     /// Fills all words with random values.
     pub fn fill(&mut self, random: &mut Random) {
         let widths = self.columns.iter().map(|column| column.width).cycle();
-        for (word, width) in self.words.iter_mut().zip(widths) {
+        let words = self.words.iter_mut().chain(self.before_output.iter_mut().flatten());
+        for (word, width) in words.zip(widths) {
             *word = random.word() & mask(width);
         }
     }

@@ -193,7 +193,7 @@ impl Simulator {
     pub fn restart(&mut self) {
         self.reset = false;
         self.current.fill(0);
-        self.memories.iter_mut().for_each(|memory| memory.words.fill(0));
+        self.memories.iter_mut().for_each(|memory| memory.clear());
         self.io.fill(0);
         self.apply_reset();
     }

@@ -8,12 +8,17 @@ use std::sync::Arc;
 
 /// A memory of two columns, with everything at ports.
 fn store(depth: u32) -> Arc<Module> {
+    store_of(depth, 1)
+}
+
+/// The same with this latency.
+fn store_of(depth: u32, latency: u32) -> Arc<Module> {
     let m = Builder::new("store");
     let width = u32::BITS - (depth - 1).leading_zeros();
     let (write, write_address) = (m.input("write_i", 1), m.input("write_address_i", width));
     let (low, high) = (m.input("low_i", 8), m.input("high_i", 64));
     let (read, read_address) = (m.input("read_i", 1), m.input("read_address_i", width));
-    let store = m.memory("u_store", depth, &[("high", 64), ("low", 8)]);
+    let store = m.memory("u_store", depth, &[("high", 64), ("low", 8)]).latency(latency);
     store.write(write, write_address, &[high, low + m.constant(8, 1)]);
     let word = store.read(read, read_address);
     m.output("high_o", word[0]);
@@ -58,6 +63,30 @@ fn a_read_shows_the_word_of_before_the_edge_from_the_next_cycle_on() {
     assert_eq!(bench.cycle([0, 3, 40, 0, 2]), word(30), "without the enable the columns stay");
     assert_eq!(bench.cycle([0, 0, 0, 1, 3]), word(30));
     assert_eq!(bench.cycle([0, 0, 0, 0, 0]), word(30), "without the enable nothing is written");
+}
+
+#[test]
+fn an_output_register_shows_the_same_a_cycle_later() {
+    let modules = [store(5), store_of(5, 2), expand_memories(&store_of(5, 2)).expect("registers")];
+    let mut benches = modules.map(|module| Bench { simulator: Simulator::new(&module).expect("a simulator") });
+    let mut random = 1_u64;
+    let (mut before, mut changes) = ([0; 2], 0);
+    for cycle in 0..500 {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let bits = |low: u32, mask: u64| random >> low & mask;
+        let inputs = [bits(63, 1), bits(60, 7) % 5, bits(50, 255), bits(40, 1), bits(36, 7) % 5];
+        let [shown, later, expanded] = benches.each_mut().map(|bench| bench.cycle(inputs));
+        assert_eq!((later, expanded), (before, before), "cycle {cycle}");
+        changes += u32::from(shown != before);
+        before = shown;
+    }
+    assert!(changes > 100, "{changes} reads");
+    let mut single = Bench { simulator: Simulator::new(&store_of(16, 2)).expect("a simulator") };
+    single.simulator.restart_randomly(3);
+    let shown = [0; 2].map(|_| single.cycle([0; 5]));
+    assert!(shown[0] != shown[1] && shown[1] != [0; 2], "registers begin with random values: {shown:?}");
+    single.simulator.restart();
+    assert_eq!([0; 2].map(|_| single.cycle([0; 5])), [[0; 2]; 2]);
 }
 
 #[test]
@@ -147,6 +176,8 @@ fn the_text_has_an_instance_of_the_one_module() {
   );
 ";
     assert!(sources[1].text.contains(expected), "{}", sources[1].text);
+    let text = verilog::sources(&store_of(5, 2), &[]).expect("a text")[1].text.clone();
+    assert_eq!(text.matches("raypath_ram_1r1w #(.Depth (5), .Width (72), .ReadLatency (2)) u_store (").count(), 1);
 }
 
 #[test]
@@ -166,7 +197,8 @@ fn a_module_cannot_have_the_name_of_the_memory() {
 #[test]
 fn memories_that_do_not_fit_are_refused() {
     type Describe = fn(&Builder);
-    let cases: [(Describe, &str); 9] = [
+    let cases: [(Describe, &str); 10] = [
+        (|m| _ = m.memory("u_m", 4, &[("a", 1)]).latency(3), "module bad, signal u_m: read latency 3, expected 1 or 2"),
         (|m| _ = m.memory("u_m", 1, &[("a", 1)]), "module bad, signal u_m: depth 1, expected 2 to 65536"),
         (|m| _ = m.memory("u_m", 65537, &[("a", 1)]), "module bad, signal u_m: depth 65537, expected 2 to 65536"),
         (|m| _ = m.memory("u_m", 4, &[]), "module bad, signal u_m: no columns, expected at least one"),
@@ -251,6 +283,7 @@ fn an_exposed_memory_is_ports() {
     for (name, value) in [
         ("low_o", 77),
         ("store_depth", 4),
+        ("store_latency", 1),
         ("store_write_enable", 1),
         ("store_write_address", 3),
         ("store_write_low", 9),

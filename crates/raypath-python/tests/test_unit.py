@@ -233,6 +233,7 @@ def test_parameters(unit: raypath.Unit) -> None:
         "id_width": 12,
         "address_width": 32,
         "divider_latency": 11,
+        "ram_latency": 1,
         "node_limit": 1 << 24,
     }
     parts = {"instances": False, "nested_instances": False, "queries": "none", "front": "counter-clockwise"}

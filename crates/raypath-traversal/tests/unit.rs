@@ -57,33 +57,42 @@ fn sums_that_round_once_are_refused() {
 #[test]
 fn the_model_equals_the_netlist_in_every_cycle() {
     let (mut entered, mut failed) = (0, 0);
-    // Contexts, stack, nodes, features, width of the memory, of ids, latency of division. The first has more rays than
-    // ids.
-    for (seed, (contexts, stack, node, features, memory_width, id_width, divider_latency), control) in [
-        (1, (8, 8, Wide4, NOTHING, 128, 3, 1), Control::Skid),
-        (2, (12, 2, Wide4, CANDIDATES, 512, 64, 11), Control::Credit),
-        (3, (64, 8, Wide4, WEIGHTS, 1024, 16, 27), Control::Skid),
+    // Contexts, stack, nodes, features, width of the memory, of ids, latency of division; latency of the memories of a
+    // step. The first has more rays than ids.
+    for (seed, (contexts, stack, node, features, memory_width, id_width, divider_latency), ram_latency, control) in [
+        (1, (8, 8, Wide4, NOTHING, 128, 3, 1), 1, Control::Skid),
+        (2, (12, 2, Wide4, CANDIDATES, 512, 64, 11), 2, Control::Credit),
+        (3, (64, 8, Wide4, WEIGHTS, 1024, 16, 27), 1, Control::Skid),
         (
             4,
             (9, 8, Quantised, UnitFeatures { barycentrics: true, instances: true, ..FLAGS }, 128, 16, 4),
+            2,
             Control::Credit,
         ),
-        (5, (64, 4, Quantised, UnitFeatures { barycentrics: false, ..EVERYTHING }, 512, 16, 27), Control::Skid),
+        (5, (64, 4, Quantised, UnitFeatures { barycentrics: false, ..EVERYTHING }, 512, 16, 27), 1, Control::Skid),
         (
             6,
             (8, 2, Wide4, UnitFeatures { queries: Queries::None, nested: false, ..EVERYTHING }, 128, 16, 1),
+            2,
             Control::Credit,
         ),
-        (7, (64, 8, Wide4, EVERYTHING, 1024, 16, 11), Control::Skid),
-        (8, (12, 2, Wide8, NOTHING, 256, 64, 11), Control::Credit),
-        (9, (64, 4, Wide8, EVERYTHING, 1024, 16, 4), Control::Skid),
-        (10, (9, 4, Wide4, UnitFeatures { instances: true, ..CANDIDATES }, 256, 16, 4), Control::Credit),
+        (7, (64, 8, Wide4, EVERYTHING, 1024, 16, 11), 1, Control::Skid),
+        (8, (12, 2, Wide8, NOTHING, 256, 64, 11), 2, Control::Credit),
+        (9, (64, 4, Wide8, EVERYTHING, 1024, 16, 4), 2, Control::Skid),
+        (10, (9, 4, Wide4, UnitFeatures { instances: true, ..CANDIDATES }, 256, 16, 4), 1, Control::Credit),
     ] {
         let front = [Front::CounterClockwise, Front::Clockwise][seed as usize % 2];
         let node_limit = [NODE_LIMIT, 6, 0][seed as usize % 3];
         let step = StepParameters { stack, node, front, node_limit, features };
-        let parameters =
-            UnitParameters { contexts, step, memory_width, id_width, divider_latency, ..UnitParameters::default() };
+        let parameters = UnitParameters {
+            contexts,
+            step,
+            memory_width,
+            id_width,
+            divider_latency,
+            ram_latency,
+            ..UnitParameters::default()
+        };
         let unit = UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit");
         let (scene, rays) = setting(step, 150, seed);
         for behaviour in [QUIET, SLOW, BLOCKED] {
@@ -237,7 +246,8 @@ const RESETS: [usize; 2] = [300, 900];
 const FLUSHES: [usize; 2] = [600, 1200];
 
 fn verilator_equals_the_model(step: StepParameters) {
-    let parameters = UnitParameters { contexts: 8, memory_width: 256, step, ..UnitParameters::default() };
+    let parameters =
+        UnitParameters { contexts: 8, memory_width: 256, ram_latency: 2, step, ..UnitParameters::default() };
     let (scene, rays) = setting(step, 60, 3);
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let folder = tempfile::tempdir().expect("a folder");

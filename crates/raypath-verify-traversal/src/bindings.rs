@@ -134,17 +134,26 @@ pub fn scheduler(setting: &Setting, _: &Module) -> String {
     sources(setting).1
 }
 
-/// The verdicts that wait, and whether a step ends with a candidate.
+/// The verdicts that wait, whether a step ends with a candidate, and the cycles of a stage, with registers of its own
+/// between them.
 pub fn walk(setting: &Setting, _: &Module) -> String {
     let (has_candidates, text) = sources(setting);
+    let latency = setting.unit.parameters.ram_latency;
+    let early = match latency {
+        1 => "  wire p_early = 1'b1;\n",
+        _ => {
+            "  wire p_early = prepares_1_q == p_steps_q[0] && (!p_steps_q[0] || prepared_context_1_q == p_contexts_q[0])
+    && finishes_1_q == p_steps_q[2] && (!p_steps_q[2] || finished_context_1_q == p_contexts_q[2]);\n"
+        }
+    };
     let [valid, taken, asks, context] = match has_candidates {
         true => ["decided_valid", "scheduler_grant[5]", "asks_o", "decided_context"],
         false => ["1'b0", "1'b0", "1'b0", "0"],
     };
     text + &format!(
         "  wire p_verdict_valid = {valid}, p_verdict_taken = {taken}, p_candidate = {asks};\n  \
-         wire [W-1:0] p_verdict_context = {context};\n"
-    )
+         wire [W-1:0] p_verdict_context = {context};\n  localparam int L = {latency};\n"
+    ) + early
 }
 
 /// The words that are kept for one context: of the closest hit, and of the state.

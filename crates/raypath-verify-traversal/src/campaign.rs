@@ -56,10 +56,16 @@ const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures:
 /// A unit of the campaign: the flow control of its datapath, and its parameters.
 type Setting = (Control, UnitParameters);
 
-const fn unit(control: Control, [contexts, stack, memory_width, id_width, divider_latency]: [u32; 5]) -> Setting {
+const fn unit(
+    control: Control,
+    [contexts, stack, memory_width, id_width, divider_latency, ram_latency]: [u32; 6],
+) -> Setting {
     let (node, front) = (NodeKind::Wide4, Front::CounterClockwise);
     let step = StepParameters { stack, node, front, node_limit: NODE_LIMIT, features: UnitFeatures::OFF };
-    (control, UnitParameters { contexts, step, memory_width, divider_latency, id_width, address_width: 32 })
+    (
+        control,
+        UnitParameters { contexts, step, memory_width, divider_latency, id_width, address_width: 32, ram_latency },
+    )
 }
 
 /// Rays end with an error before they have read many nodes.
@@ -73,20 +79,21 @@ const fn with((control, mut parameters): Setting, node: NodeKind, features: Unit
     (control, parameters)
 }
 
-/// Contexts, entries of the stack, bits of the memory and of ids, and latency of division; nodes and features.
+/// Contexts, entries of the stack, bits of the memory and of ids, latencies of division and of the memories of a step;
+/// nodes and features.
 const UNITS: [Setting; 8] = [
-    unit(Control::Skid, [8, 2, 256, 16, 2]),
-    unit(Control::Credit, [16, 4, 512, 64, 9]),
-    with(unit(Control::Credit, [11, 8, 128, 4, 1]), NodeKind::Wide4, WEIGHTS),
-    unit(Control::Skid, [64, 16, 1024, 7, 5]),
-    with(unit(Control::Skid, [32, 32, 512, 16, 27]), NodeKind::Wide4, WEIGHTS),
-    with(unit(Control::Credit, [9, 2, 128, 4, 9]), NodeKind::Wide8, UnitFeatures { instances: true, ..WEIGHTS }),
+    unit(Control::Skid, [8, 2, 256, 16, 2, 1]),
+    unit(Control::Credit, [16, 4, 512, 64, 9, 2]),
+    with(unit(Control::Credit, [11, 8, 128, 4, 1, 1]), NodeKind::Wide4, WEIGHTS),
+    unit(Control::Skid, [64, 16, 1024, 7, 5, 1]),
+    with(unit(Control::Skid, [32, 32, 512, 16, 27, 2]), NodeKind::Wide4, WEIGHTS),
+    with(unit(Control::Credit, [9, 2, 128, 4, 9, 2]), NodeKind::Wide8, UnitFeatures { instances: true, ..WEIGHTS }),
     with(
-        short(unit(Control::Skid, [40, 2, 512, 16, 2])),
+        short(unit(Control::Skid, [40, 2, 512, 16, 2, 1])),
         NodeKind::Quantised,
         UnitFeatures { instances: true, ..WEIGHTS },
     ),
-    with(unit(Control::Skid, [12, 2, 512, 5, 3]), NodeKind::Wide4, UnitFeatures::ALL),
+    with(unit(Control::Skid, [12, 2, 512, 5, 3, 2]), NodeKind::Wide4, UnitFeatures::ALL),
 ];
 
 /// The units of the campaign.

@@ -157,8 +157,8 @@ claims! {
             => "= finish_request_kind == raypath_unit_pkg::RequestContinue";
         one_request: "goes_on = finishes_q & ~flush_i" => "goes_on = finishes_q";
         flushed: "finishes_q & (flush_i | " => "finishes_q & (";
-        two_cycles: "<= prepared_context_q;" => "<= read_context;";
-        two_cycles: "prepares_q <= read;" => "prepares_q <= read & ~start_valid_i;";
+        two_reads: "<= prepared_context_q;" => "<= read_context;";
+        two_reads: "prepares_q <= read;" => "prepares_q <= read & ~start_valid_i;";
         own_context: "(block_context_i &\n      {3{scheduler_grant[1]}})"
             => "(block_context_i & {3{scheduler_grant[0]}})";
     }

@@ -30,7 +30,7 @@ const FEW_CYCLES: u32 = 11;
 fn more() -> [UnitParameters; 3] {
     let default = UnitParameters::default();
     [
-        UnitParameters { contexts: 11, memory_width: 128, divider_latency: 3, ..LEAST },
+        UnitParameters { contexts: 11, memory_width: 128, divider_latency: 3, ram_latency: 2, ..LEAST },
         default,
         UnitParameters { contexts: 256, divider_latency: 5, ..default },
     ]

@@ -23,6 +23,7 @@ pub(super) const LEAST: UnitParameters = UnitParameters {
     id_width: 16,
     address_width: 32,
     divider_latency: 2,
+    ram_latency: 1,
 };
 
 /// The optional parts of a unit.

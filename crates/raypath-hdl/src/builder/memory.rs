@@ -29,6 +29,7 @@ impl Builder {
         let mut memory = MemoryInfo {
             name: name.to_string(),
             depth: depth.clamp(*DEPTHS.start(), *DEPTHS.end()),
+            latency: 1,
             write_enable: none,
             write_address: none,
             read_enable: none,
@@ -48,6 +49,17 @@ impl Builder {
 }
 
 impl<'m> Memory<'m> {
+    /// The same memory with a read of 1 or 2 cycles; with 2, it has an output register. Without this, a read takes 1.
+    #[must_use]
+    pub fn latency(self, cycles: u32) -> Self {
+        if !(1..=2).contains(&cycles) {
+            let name = self.info(|info| info.name.clone());
+            self.builder.fail_width_of(name, format!("read latency {cycles}, expected 1 or 2"));
+        }
+        self.info(|info| info.latency = cycles.clamp(1, 2));
+        self
+    }
+
     /// The columns of the word that was read last, named `<memory without u_>_<column>`.
     pub fn columns(self) -> Vec<Wire<'m>> {
         let columns = self.info(|info| info.columns.iter().map(|column| column.read).collect::<Vec<_>>());
@@ -74,7 +86,8 @@ impl<'m> Memory<'m> {
         });
     }
 
-    /// Reads a word at edges where `enable` is 1. Returns its columns, which show the word in the next cycle.
+    /// Reads a word at edges where `enable` is 1. Returns its columns, which show the word in the next cycle, or with a
+    /// [`latency`](Self::latency) of 2 in the one after.
     pub fn read(self, enable: Wire<'m>, address: Wire<'m>) -> Vec<Wire<'m>> {
         self.connect("read", enable, address);
         let [enable, address] = [enable, address].map(|wire| self.builder.own(wire));

@@ -1,6 +1,7 @@
 module raypath_ram_1r1w #(
   parameter  logic [31:0] Depth        = 2,
   parameter  logic [31:0] Width        = 1,
+  parameter  logic [31:0] ReadLatency  = 1,
   localparam logic [31:0] AddressWidth = $clog2(Depth)
 ) (
   input  logic                    clk_i,
@@ -13,13 +14,25 @@ module raypath_ram_1r1w #(
 );
 
   logic [Width-1:0] words [Depth];
+  logic [Width-1:0] word_q;
 
   always_ff @(posedge clk_i) begin
     if (write_enable_i) words[write_address_i] <= write_data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (read_enable_i) read_data_o <= words[read_address_i];
+    if (read_enable_i) word_q <= words[read_address_i];
+  end
+
+  if (ReadLatency == 2) begin : g_output
+    // The output register of a block RAM. It needs no enable, because `word_q` stays until the next read.
+    logic [Width-1:0] output_q;
+
+    always_ff @(posedge clk_i) output_q <= word_q;
+
+    assign read_data_o = output_q;
+  end else begin : g_no_output
+    assign read_data_o = word_q;
   end
 
 endmodule : raypath_ram_1r1w

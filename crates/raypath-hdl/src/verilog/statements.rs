@@ -249,7 +249,8 @@ fn memory(plan: &Plan<'_>, index: usize) -> Vec<String> {
     connections.add("read_address_i", plan.read(memory.read_address));
     connections.add("read_data_o", &joined(|column| column.read));
     let width: u32 = memory.columns.iter().map(|column| plan.module().signal(column.read).width).sum();
-    connections.print(&format!("{RAM} #(.Depth ({}), .Width ({width})) {}", memory.depth, memory.name))
+    let latency = if memory.latency > 1 { format!(", .ReadLatency ({})", memory.latency) } else { String::new() };
+    connections.print(&format!("{RAM} #(.Depth ({}), .Width ({width}){latency}) {}", memory.depth, memory.name))
 }
 
 /// The connections of an instance.

@@ -86,6 +86,7 @@ class _UnitParameters(TypedDict):
     id_width: int
     address_width: int
     divider_latency: int
+    ram_latency: int
     node_limit: int
     node: Literal["wide4", "quantised", "wide8"]
     instances: bool
@@ -845,7 +846,7 @@ class Unit:
         preset: the name of a configuration of the datapath, as for ``Datapath``. Distance operations are left out.
         config: in place of a preset, the path of a TOML file, or its text, which contains "=".
         flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
-            ``node``, ``memory_width``, ``id_width``, ``address_width``, ``divider_latency``, ``node_limit``,
+            ``node``, ``memory_width``, ``id_width``, ``address_width``, ``divider_latency``, ``ram_latency``, ``node_limit``,
             ``front``, and those of the datapath. ``instances=True`` for scenes of two levels; ``queries="flags"`` for geometries that are opaque or not, and
             masks and flags of instances; ``queries="full"`` for candidates and procedural boxes, too.
 
@@ -872,6 +873,7 @@ class Unit:
         id_width: int = ...,
         address_width: int = ...,
         divider_latency: int = ...,
+        ram_latency: Literal[1, 2] = ...,
         node_limit: int = ...,
         node: Literal["wide4", "quantised", "wide8"] = ...,
         instances: bool = ...,

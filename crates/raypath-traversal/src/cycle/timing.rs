@@ -44,8 +44,8 @@ pub struct Timing {
     triangle: Job,
     has_triangle: bool,
     scheduler: Scheduler,
-    prepared: Answered,
-    finished: Answered,
+    /// The steps in progress, each at the cycle in which its answer was chosen, modulo the cycles of a step.
+    steps: [Answered; 4],
     /// With barycentric coordinates, which are divided before a hit is shown.
     weights: Option<Weights>,
     hit: Option<(u64, Reply)>,
@@ -153,7 +153,7 @@ state! {
     Answered { context, source }
     Timing {
         fresh, queues, busy, yields, set_up, offer, has_offer, following, flow, jobs, operands, has_operands, divider,
-        triangle, has_triangle, scheduler, prepared, finished, hit, candidate, cycles, offered, asked,
+        triangle, has_triangle, scheduler, steps, hit, candidate, cycles, offered, asked,
         restarts, job_stalls, flushes | decoder, weights
     }
 }
@@ -183,8 +183,7 @@ impl Timing {
             triangle: Job::default(),
             has_triangle: false,
             scheduler: Scheduler::default(),
-            prepared: Answered::default(),
-            finished: Answered::default(),
+            steps: [Answered::default(); 4],
             weights: features.barycentrics.then(|| Weights::new(parameters.divider_latency)),
             hit: None,
             candidate: None,
@@ -250,8 +249,7 @@ impl Timing {
             && !self.has_triangle
             && !self.has_offer
             && self.decoder.as_ref().is_none_or(Line::is_empty)
-            && self.prepared.source == 0
-            && self.finished.source == 0
+            && self.steps.iter().all(|step| step.source == 0)
             && self.queues.are_settled()
             && self.weights.as_ref().is_none_or(Weights::is_empty)
             && self.queues.ready() & waiting == 0
@@ -286,7 +284,7 @@ impl Timing {
         self.queues.clear();
         (self.has_offer, self.has_operands, self.has_triangle, self.hit) = (false, false, false, None);
         self.candidate = None;
-        (self.prepared, self.finished) = (Answered::default(), Answered::default());
+        self.steps = [Answered::default(); 4];
         self.flow.reset();
         self.jobs.clear();
         self.divider.clear();
@@ -427,7 +425,9 @@ impl Timing {
     #[inline]
     fn walk(&mut self, contexts: &mut impl Contexts, chosen: Answered, request_ready: bool) {
         self.queues.pop_if(REQUESTS, request_ready & self.queues.is_ready(REQUESTS));
-        let Answered { context, source } = replace(&mut self.finished, replace(&mut self.prepared, chosen));
+        // A step has two stages, each of the latency of a memory.
+        let place = self.cycles & u64::from(2 * self.parameters.ram_latency - 1);
+        let Answered { context, source } = replace(&mut self.steps[place as usize % 4], chosen);
         let steps = source != 0;
         let Asked { kind, restarts, .. } = contexts.step(context, steps);
         let asked = if self.flushes { AskedKind::Nothing } else { kind };

@@ -31,11 +31,11 @@ pub const MATRIX_WORDS: usize = 12;
 ///
 /// A beat, `data_i` with `context_i` and `error_i`, arrives where `valid_i` is 1. With the last beat of a block,
 /// `arrived_o` is 1, and `failed_o` says whether one of its beats had an error. Three readers have ports of their own:
-/// `<reader>_read_i` and `<reader>_context_i`; the words are there in the next cycle and stay until the next read. The
-/// readers are `job` (`word_…_o`, and with a decoder `exists_…_o`, which children exist), `child` (`child_…_o`)
+/// `<reader>_read_i` and `<reader>_context_i`; the words are there in the next cycle, those of `child` after the latency of
+/// the memories of a step, and stay until the next read. The readers are `job` (`word_…_o`, and with a decoder `exists_…_o`, which children exist), `child` (`child_…_o`)
 /// and `index` (`index_…_o`).
 pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts, memory_width, step, .. } = parameters;
+    let UnitParameters { contexts, memory_width, ram_latency, step, .. } = parameters;
     let nodes = step.node;
     let builder = Builder::new("raypath_unit_blocks");
     let m = &builder;
@@ -63,7 +63,7 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let per_beat = words.len();
     let data = |word: usize| words[word % per_beat];
     // The columns of a memory, by the words from which they come.
-    let store = |name: &str, of: Vec<(usize, String, Wire<'_>)>, (read, reader)| {
+    let store = |name: &str, latency, of: Vec<(usize, String, Wire<'_>)>, (read, reader)| {
         let mut stored = Vec::new();
         for number in 0..beats {
             let of = of.iter().enumerate();
@@ -73,7 +73,7 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
             }
             let columns: Vec<(&str, u32)> =
                 here.iter().map(|(_, (_, title, wire))| (title.as_str(), wire.width())).collect();
-            let memory = m.memory(&format!("u_{name}_{number}"), contexts, &columns);
+            let memory = m.memory(&format!("u_{name}_{number}"), contexts, &columns).latency(latency);
             memory.write(is_beat(number), context, &here.iter().map(|(_, (.., wire))| *wire).collect::<Vec<_>>());
             stored.extend(here.iter().map(|(place, _)| *place).zip(memory.read(read, reader)));
         }
@@ -97,12 +97,12 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let of_jobs = job_words(step);
     let children_of_job = if step.has_decoder() { 0..nodes.children() } else { 0..0 };
     let columns = of_jobs.iter().map(|&word| column(word)).chain(children_of_job.map(exist));
-    let jobs = store("jobs", columns.collect(), job);
-    let children = store("children", whole(child_word, 4), child);
-    let indices = store("indices", whole(index_word, nodes.triangles_per_block() as usize), index);
+    let jobs = store("jobs", 1, columns.collect(), job);
+    let children = store("children", ram_latency, whole(child_word, 4), child);
+    let indices = store("indices", 1, whole(index_word, nodes.triangles_per_block() as usize), index);
     if step.features.has("geometry") {
         let word = nodes.geometry_word();
-        let geometry = store("geometry", whole(word, 1), index);
+        let geometry = store("geometry", 1, whole(word, 1), index);
         geometry.into_iter().for_each(|wire| m.output("geometry_o", wire));
     }
     if beats == 1 {

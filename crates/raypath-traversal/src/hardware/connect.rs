@@ -66,8 +66,20 @@ pub type Access<'m> = (Wire<'m>, Wire<'m>);
 
 /// Words in a memory, with a column for each: written at one port, and read by name at the other.
 pub fn keep<'m>(name: &str, depth: u32, write: Access<'m>, words: Named<'m>, read: Access<'m>) -> Named<'m> {
+    keep_for(1, name, depth, write, words, read)
+}
+
+/// As [`keep`], with reads of `latency` cycles.
+pub fn keep_for<'m>(
+    latency: u32,
+    name: &str,
+    depth: u32,
+    write: Access<'m>,
+    words: Named<'m>,
+    read: Access<'m>,
+) -> Named<'m> {
     let columns: Vec<(&str, u32)> = words.iter().map(|(name, wire)| (name.as_str(), wire.width())).collect();
-    let memory = write.0.builder().memory(name, depth, &columns);
+    let memory = write.0.builder().memory(name, depth, &columns).latency(latency);
     memory.write(write.0, write.1, &words.iter().map(|(_, wire)| *wire).collect::<Vec<_>>());
     let read = memory.read(read.0, read.1);
     words.into_iter().map(|(name, _)| name).zip(read).collect()
@@ -78,6 +90,19 @@ pub fn delay<'m>(name: &str, wire: Wire<'m>) -> Wire<'m> {
     let register = wire.builder().register(name, wire.width());
     register.next(wire);
     register.wire()
+}
+
+/// A chain of registers that take `wire` in every cycle; `name` is the last, and `<name>_1_q` the first of several. The
+/// others have the same reset value, if there is one.
+pub fn delay_by<'m>(cycles: u32, name: &str, wire: Wire<'m>, reset: Option<u64>) -> Wire<'m> {
+    (1..=cycles).fold(wire, |wire, cycle| {
+        let name =
+            if cycle == cycles { name.to_string() } else { format!("{}_{cycle}_q", name.trim_end_matches("_q")) };
+        let register = wire.builder().register(&name, wire.width());
+        let register = reset.map_or(register, |value| register.reset_to(value));
+        register.next(wire);
+        register.wire()
+    })
 }
 
 /// A register that takes `wire` where `enable` is 1.

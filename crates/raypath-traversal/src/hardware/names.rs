@@ -44,6 +44,7 @@ declare! {
     "id-width": id_width, "1..64", "Bits of the number that a ray brings and its hit returns";
     "address-width": address_width, "32..64", "Bits of an address; those above 32 are a base that each ray brings";
     "divider-latency": divider_latency, "1..27", "Cycles of a division, one of which begins in each cycle";
+    "ram-latency": ram_latency, "1|2", "Cycles of a read of the memories that a step reads; 2 for output registers";
     "node-limit": step.node_limit, "0..4294967295",
         "Nodes and instances that a ray may read, 0 for any number; an input of the hardware";
     "instances": step.features.instances, "true|false", "Scenes have instances";

@@ -21,6 +21,9 @@ pub struct UnitParameters {
     pub address_width: u32,
     /// Cycles of a division: 1 to 27.
     pub divider_latency: u32,
+    /// Cycles of a read of the memories that a step reads: 1, or 2 with their output registers. A step has two stages
+    /// of as many cycles.
+    pub ram_latency: u32,
 }
 
 impl Default for UnitParameters {
@@ -32,19 +35,23 @@ impl Default for UnitParameters {
             id_width: 16,
             address_width: 32,
             divider_latency: 11,
+            ram_latency: 1,
         }
     }
 }
 
 impl fmt::Display for UnitParameters {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { contexts, step, memory_width, id_width, address_width, divider_latency } = self;
+        let Self { contexts, step, memory_width, id_width, address_width, divider_latency, ram_latency } = self;
         write!(
             f,
             "{contexts} contexts, stacks of {}, memory of {memory_width} bits, ids of {id_width} bits, division in \
              {divider_latency} cycles",
             step.stack
         )?;
+        if *ram_latency > 1 {
+            write!(f, ", memories of a step in {ram_latency} cycles")?;
+        }
         if *address_width > CHILD_ADDRESS_BITS {
             write!(f, ", addresses of {address_width} bits")?;
         }

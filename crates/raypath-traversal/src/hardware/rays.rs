@@ -1,6 +1,6 @@
 //! The rays: their contexts, their set-up, and what is kept of them.
 
-use super::connect::{Inputs, Named, delay, keep, named, prefixed};
+use super::connect::{Inputs, Named, delay, keep, keep_for, named, prefixed};
 use super::contexts::contexts;
 use super::entries::entries;
 use super::package::refer_to_package;
@@ -23,7 +23,8 @@ use std::sync::Arc;
 /// and `start_is_refused_o`, until `start_taken_i` is 1. `release_i` frees the context `hit_context_i`, whose `id_o` is
 /// read at the same time. `is_idle_o` is 1 if no context has a ray.
 ///
-/// Readers give an enable and a context, and have their words in the next cycle: `job_read_i` for `job_…_o`,
+/// Readers give an enable and a context, and have their words in the next cycle, a step after the latency of its
+/// memories: `job_read_i` for `job_…_o`,
 /// `limits_read_i` for `limits_…_o`, `step_read_i` for `begin_…_o`, and with candidates `candidate_read_i` for
 /// `candidate_…_o`.
 ///
@@ -32,7 +33,7 @@ use std::sync::Arc;
 /// space if `job_inside_i` is 1; `job_dir_…_o` is the direction outside, with nested instances or candidates that in its
 /// space too.
 pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts: count, id_width, divider_latency, step, .. } = parameters;
+    let UnitParameters { contexts: count, id_width, divider_latency, ram_latency, step, .. } = parameters;
     let StepParameters { features, front, .. } = step;
     let builder = Builder::new("raypath_unit_rays");
     let m = &builder;
@@ -116,7 +117,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let id = keep("u_ids", count, at_entry, vec![named("id", id)], release);
     let origin = keep("u_origins", count, at_entry, wires("origin", &entry.origin), job);
     let limits = keep("u_limits", count, at_entry, limits, limits_reader);
-    let begin = keep("u_begins", count, at_entry, begin, step);
+    let begin = keep_for(ram_latency, "u_begins", count, at_entry, begin, step);
     let is_known = constants.port("valid");
     let known = constants.port("context");
     let derived: Named<'_> = CONSTANTS.iter().map(|name| named(name, constants.port(name))).collect();

@@ -3,10 +3,11 @@
 //! In the first stage an answer is chosen, and the state of its ray is read. In the second the step is prepared, and
 //! the stack is read. In the third the step is finished, and everything is written. A ray has at most one answer at a
 //! time, so steps of the same ray do not overlap. The registers between the stages take a value in every cycle: what
-//! they have without a step is not used.
+//! they have without a step is not used. Where a read of a memory takes two cycles, there are two registers in place of
+//! one.
 
 use super::candidates::is_of_candidate;
-use super::connect::{Access, Inputs, Named, Outputs, delay, hold, keep, named, prefixed};
+use super::connect::{Access, Inputs, Named, Outputs, delay, delay_by, hold, keep_for, named, prefixed};
 use super::hits::is_shown;
 use super::package::refer_to_package;
 use super::parameters::UnitParameters;
@@ -26,14 +27,15 @@ use std::sync::Arc;
 /// memory. The other sources of answers have `<source>_valid_i` and `<source>_context_i`, and `<source>_taken_o` where
 /// their answer is taken: `block` with `closest_…_i`, `fault`, and `start` with `start_is_refused_i` and, with
 /// instances, `start_is_instance_i`. Where `read_o` is 1, the child words and the ray of `read_context_o` are read,
-/// which are there in the next cycle: `child_…_i`, `begin_…_i`.
+/// which are there after the latency of the memories of a step: `child_…_i`, `begin_…_i`.
 ///
 /// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`; with `ends_o` in any case
 /// if `flush_i` is 1. To fetch: `block_o`, the
 /// address without its offset, `count_o` and, with instances, `is_instance_o` and `is_inside_o`. At the end:
 /// `status_o` and what a hit shows of the state, `next_…_o`.
 pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let (UnitParameters { contexts: count, step, .. }, base_bits) = (parameters, parameters.base_bits());
+    let UnitParameters { contexts: count, step, ram_latency: latency, .. } = parameters;
+    let base_bits = parameters.base_bits();
     let builder = Builder::new("raypath_unit_walk");
     let m = &builder;
     m.doc("The steps of rays: one in each cycle, in three stages.");
@@ -118,25 +120,24 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         kinds.chain([start_kind, constant(answer::CONTINUE)]).chain(verdicts.iter().map(|_| constant(answer::VERDICT)));
     let of_source = (0..).zip(kinds).map(|(bit, kind)| grant.bit(bit).mux(kind, m.constant(4, 0)));
     let kind = of_source.reduce(|a, b| (a | b).hint("granted_kind")).unwrap_or(grant);
-    let prepares = m.register("prepares_q", 1).reset_to(0);
-    prepares.next(read);
-    let prepared_context = delay("prepared_context_q", read_context);
-    let kind = delay("kind_q", kind);
-    let boxes = keep("u_outcomes", count, outcome, boxes, (read, read_context));
-    let mut closest = delay_all(closest);
+    let prepares = delay_by(latency, "prepares_q", read, Some(0));
+    let prepared_context = delay_by(latency, "prepared_context_q", read_context, None);
+    let kind = delay_by(latency, "kind_q", kind, None);
+    let at_read = (read, read_context);
+    let boxes = keep_for(latency, "u_outcomes", count, outcome, boxes, at_read);
+    let mut closest = delay_all(latency, closest);
     let decided =
-        verdict.map(|(valid, context, words)| keep("u_verdicts", count, (valid, context), words, (read, read_context)));
+        verdict.map(|(valid, context, words)| keep_for(latency, "u_verdicts", count, (valid, context), words, at_read));
 
     m.section("The step is prepared, and the stack is read");
-    let finishes = m.register("finishes_q", 1).reset_to(0);
-    finishes.next(prepares.wire());
-    let finished_context = delay("finished_context_q", prepared_context);
+    let finishes = delay_by(latency, "finishes_q", prepares, Some(0));
+    let finished_context = delay_by(latency, "finished_context_q", prepared_context, None);
     context.drive(finished_context);
-    let base = base.map(|base| delay("base_q", base));
+    let base = base.map(|base| delay_by(latency, "base_q", base, None));
     let fields = ports_of::<RayState<Binary32>>();
     let fields = fields.iter().filter(|port| step.has(&port.name) && !is_of_ray(&port.name));
     let columns: Vec<(&str, u32)> = fields.map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
-    let states = m.memory("u_states", count, &columns);
+    let states = m.memory("u_states", count, &columns).latency(latency);
     let kept: Vec<(&str, Wire<'_>)> =
         columns.iter().map(|(name, _)| *name).zip(states.read(read, read_context)).collect();
     let c = Netlist(m);
@@ -157,9 +158,9 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let mut verdict_words: Named<'_> = Vec::new();
     let mut is_tested = None;
     if let Some(decided) = decided {
-        let is_block = (prepares.wire() & is(answer::BLOCK)).named("is_tested");
+        let is_block = (prepares & is(answer::BLOCK)).named("is_tested");
         // A verdict comes with its candidate, which was the closest hit of the block; a box has the distance of the user.
-        let kept = keep("u_candidates", count, (is_block, prepared_context), closest.clone(), (read, read_context));
+        let kept = keep_for(latency, "u_candidates", count, (is_block, prepared_context), closest.clone(), at_read);
         let is_verdict = is(answer::VERDICT).named("is_verdict");
         let is_box = state.iter().find(|(name, _)| name == "leaf_is_box").map_or(is_verdict, |(_, wire)| *wire);
         let chosen = closest.iter().zip(kept).map(|((name, now), (_, kept))| {
@@ -185,30 +186,26 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let slot_bits = step.stack.trailing_zeros();
     let slot = |context: Wire<'_>, level: Wire<'_>| m.concat(&[context, level.lower(slot_bits)]);
     let deepest = half.port("half_deepest");
-    let half = delay_all(prefixed("half", half.under("half")));
+    let half = delay_all(latency, prefixed("half", half.under("half")));
     let was_restarting = half.iter().find(|(name, _)| name == "half_state_restarting").map(|(_, wire)| *wire);
 
     m.section("The step is finished, and everything is written");
     let top_columns = ports_of::<Group<Binary32>>();
     let columns: Vec<(&str, u32)> =
         top_columns.iter().map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
-    let stack = m.memory("u_stack", count * step.stack, &columns);
-    let top = stack.read(prepares.wire(), slot(prepared_context, deepest));
+    let stack = m.memory("u_stack", count * step.stack, &columns).latency(latency);
+    let top = stack.read(prepares, slot(prepared_context, deepest));
     let top = top_columns.iter().map(|port| format!("top_{}", port.name)).zip(top);
     let done = Inputs::default().ports(half).ports(top).place(m, "u_finish", &finish_module(step)?);
     let next = done.under("next");
     let restarts = next.iter().find(|(name, _)| name == "restarting").map(|(_, wire)| *wire);
-    let restarts = restarts.zip(was_restarting).map_or(finishes.wire(), |(is, was)| finishes.wire() & is & !was);
+    let restarts = restarts.zip(was_restarting).map_or(finishes, |(is, was)| finishes & is & !was);
     let changed = next.iter().filter(|(name, _)| !is_of_ray(name));
-    states.write(finishes.wire(), finished_context, &changed.map(|(_, wire)| *wire).collect::<Vec<_>>());
+    states.write(finishes, finished_context, &changed.map(|(_, wire)| *wire).collect::<Vec<_>>());
     let group: Vec<Wire<'_>> = done.under("request_group").into_iter().map(|(_, wire)| wire).collect();
-    stack.write(
-        finishes.wire() & done.port("request_writes"),
-        slot(finished_context, done.port("request_level")),
-        &group,
-    );
+    stack.write(finishes & done.port("request_writes"), slot(finished_context, done.port("request_level")), &group);
     let kind = done.port("request_kind");
-    let goes_on = (finishes.wire() & !flush).named("goes_on");
+    let goes_on = (finishes & !flush).named("goes_on");
     let is_asked = |asked: u32| kind.equals(request::CODES.word::<_, 2>(c, asked).value.0);
     let asks = |asked: u32| goes_on & is_asked(asked);
     again_asked.drive(asks(request::CONTINUE));
@@ -219,9 +216,9 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.output("read_o", read);
     m.output("read_context_o", read_context);
     m.output("fetches_o", asks(request::FETCH));
-    m.output("ends_o", finishes.wire() & (flush | is_asked(request::DONE)));
+    m.output("ends_o", finishes & (flush | is_asked(request::DONE)));
     m.output("context_o", finished_context);
-    m.output("steps_o", finishes.wire());
+    m.output("steps_o", finishes);
     m.output("restarts_o", restarts);
     if let Some(is_tested) = is_tested {
         m.output("asks_o", asks(request::CANDIDATE));
@@ -293,8 +290,9 @@ fn granted<'m>(grant: Wire<'m>, values: impl Iterator<Item = Wire<'m>>) -> Wire<
     gated.reduce(|a, b| (a | b).hint("granted_context")).unwrap_or(grant)
 }
 
-fn delay_all(words: Named<'_>) -> Named<'_> {
-    words.into_iter().map(|(name, wire)| (name.clone(), delay(&format!("{name}_q"), wire))).collect()
+fn delay_all(latency: u32, words: Named<'_>) -> Named<'_> {
+    let delayed = |(name, wire): (String, _)| (name.clone(), delay_by(latency, &format!("{name}_q"), wire, None));
+    words.into_iter().map(delayed).collect()
 }
 
 /// Whether this field of a ray's state stays as the ray has it, and is kept with the ray.

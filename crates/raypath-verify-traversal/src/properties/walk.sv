@@ -1,4 +1,4 @@
-  // An answer is taken wherever there is one, and only one. Two cycles later its step ends, with one write of its own
+  // An answer is taken wherever there is one, and only one. Two reads of memories later its step ends, with one write of its own
   // context's state, and the ray fetches, ends, continues or asks about a candidate.
   wire [4:0] p_taken = {p_verdict_taken, start_taken_o, fault_taken_o, block_taken_o, boxes_taken};
   wire [4:0] p_offered = {p_verdict_valid, start_valid_i, fault_valid_i, block_valid_i, tested_valid};
@@ -9,16 +9,17 @@
     (!start_taken_o || read_context_o == start_context_i) && (!fault_taken_o || read_context_o == fault_context_i)
     && (!p_verdict_taken || read_context_o == p_verdict_context)
     && (!block_taken_o || read_context_o == block_context_i) && (!boxes_taken || read_context_o == tested_context));
-  logic p_first_q, p_second_q;
-  logic [W-1:0] p_first_context_q, p_second_context_q;
+  logic [2*L-1:0] p_steps_q;
+  logic [2*L-1:0][W-1:0] p_contexts_q;
   always_ff @(posedge clk_i or negedge rst_ni)
-    if (!rst_ni) {p_first_q, p_second_q} <= 0;
-    else {p_first_q, p_second_q} <= {read_o, p_first_q};
-  always_ff @(posedge clk_i) {p_first_context_q, p_second_context_q} <= {read_context_o, p_first_context_q};
-  always_comb two_cycles: assert (finishes_q == p_second_q && (!p_second_q || context_o == p_second_context_q));
+    if (!rst_ni) p_steps_q <= 0;
+    else p_steps_q <= {p_steps_q[2*L-2:0], read_o};
+  always_ff @(posedge clk_i) p_contexts_q <= {p_contexts_q[2*L-2:0], read_context_o};
+  wire p_ends = p_steps_q[2*L-1];
+  always_comb two_reads: assert (finishes_q == p_ends && (!p_ends || context_o == p_contexts_q[2*L-1]));
   wire [2:0] p_asks = {2'd0, fetches_o} + {2'd0, ends_o} + {2'd0, again_asked} + {2'd0, p_candidate};
-  always_comb one_request: assert (p_asks == {2'd0, p_second_q});
-  always_comb flushed: assert (!flush_i || ends_o == p_second_q);
+  always_comb one_request: assert (p_asks == {2'd0, p_ends});
+  always_comb flushed: assert (!flush_i || ends_o == p_ends);
 
   // Rays that continue come back, in order. Environment: at most N rays continue.
   logic [8:0] p_inside_q;
@@ -77,5 +78,5 @@
       p_nearer = p_nearer && {1'b0, p_waits_q[3*k +: 3]} + (p_after[k] ? 4'(k) + p_later - 4'(S) : p_later + 4'(k))
         <= (k == 4 ? S : S - 1);
   end
-  always_comb lemmas: assert (p_holds && p_nearer && (p_valid || p_waits_q[14:12] == 0) && prepares_q == p_first_q
-    && (!p_first_q || prepared_context_q == p_first_context_q));
+  always_comb lemmas: assert (p_holds && p_nearer && (p_valid || p_waits_q[14:12] == 0) && p_early
+    && prepares_q == p_steps_q[L-1] && (!p_steps_q[L-1] || prepared_context_q == p_contexts_q[L-1]));

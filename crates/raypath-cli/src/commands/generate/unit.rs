@@ -86,13 +86,14 @@ fn memories(top: &Module) -> Table {
                 memory.depth.to_string(),
                 width.to_string(),
                 bits.to_string(),
+                memory.latency.to_string(),
             ]);
         }
         for instance in module.instances() {
             walk(&instance.module, &format!("{path}{}.", instance.name), table);
         }
     }
-    let mut table = table(["memory", "words", "bits of a word", "bits"]);
+    let mut table = table(["memory", "words", "bits of a word", "bits", "cycles of a read"]);
     walk(top, "", &mut table);
     table
 }
