@@ -79,7 +79,8 @@ const WORDS: [BlockWords; 4] = [
 
 /// The beats of a block, and what is kept of each for the context that is followed: the lowest bits of its words.
 pub fn blocks(setting: &Setting, module: &Module) -> String {
-    let UnitParameters { contexts, memory_width, step: StepParameters { node, .. }, .. } = setting.unit.parameters;
+    let UnitParameters { contexts, memory_width, ram_latency, step: StepParameters { node, .. }, .. } =
+        setting.unit.parameters;
     let (beats, per_beat) = (8 * node.block_bytes() / memory_width, memory_width as usize / 32);
     let mut text = context_width(module)
         + &format!(
@@ -104,13 +105,14 @@ pub fn blocks(setting: &Setting, module: &Module) -> String {
             continue;
         }
         let name = format!("{memory}_{beat}");
+        let latency = if reader == "child" { ram_latency } else { 1 };
         if !text.contains(&format!("u_{name}.slot ")) {
             let slot = seen(&mut text, &format!("u_{name}.slot"), bits(contexts));
             let _ = writeln!(text, "  always_comb assume ({slot}== p_context);");
         }
         let _ = writeln!(
             text,
-            "  wire p_{stem}_{beat};\n  p_kept #(.B ({})) p_keeps_{stem}_{beat} (.clk_i, .rst_ni,\n    \
+            "  wire p_{stem}_{beat};\n  p_kept #(.B ({}), .LATENCY ({latency})) p_keeps_{stem}_{beat} (.clk_i, .rst_ni,\n    \
              .ignored (1'b0), .stored ('0), \
              .writes (valid_i && context_i == p_context && p_beats_q == {beat}), .stays (),\n    \
              .reads ({reader}_read_i && {reader}_context_i == p_context), .right (p_{stem}_{beat}),\n    \
@@ -309,13 +311,14 @@ pub fn rays(setting: &Setting, module: &Module) -> String {
     let width = module.port_width("start_context_o").unwrap_or(1);
     let constants = CONSTANTS.map(|name| format!("@_{name}[0]")).join(", ");
     format!(
-        "  localparam int A = {width};\n  (* anyconst *) logic [A-1:0] p_context;\n  \
+        "  localparam int A = {width}, LATENCY = {};\n  (* anyconst *) logic [A-1:0] p_context;\n  \
          always_comb assume (p_context < N);\n  wire [A-1:0] p_known_context = @_context;\n  \
          wire p_known = @_valid, p_set_up_ready = @_ready;\n  \
          wire p_is_instance = {is_instance}, p_is_inside = {is_inside};\n  \
          wire [W-1:0] p_known_word = {{@_context, @_is_refused{given}}};\n  \
          wire [W-1:0] p_start_word = {{start_context_o, start_is_refused_o{shown}}};\n  \
-         wire [8:0] p_constants = {{{constants}}};\n"
+         wire [8:0] p_constants = {{{constants}}};\n",
+        setting.unit.parameters.ram_latency,
     )
     .replace('@', part)
 }

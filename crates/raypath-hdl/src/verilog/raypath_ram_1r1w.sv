@@ -2,6 +2,7 @@ module raypath_ram_1r1w #(
   parameter  logic [31:0] Depth        = 2,
   parameter  logic [31:0] Width        = 1,
   parameter  logic [31:0] ReadLatency  = 1,
+  parameter               Style        = "auto",
   localparam logic [31:0] AddressWidth = $clog2(Depth)
 ) (
   input  logic                    clk_i,
@@ -13,8 +14,14 @@ module raypath_ram_1r1w #(
   output logic [Width-1:0]        read_data_o
 );
 
+  // The attribute of Vivado and Yosys, and that of Quartus.
+  (* ram_style = Style, ramstyle = Style *)
   logic [Width-1:0] words [Depth];
   logic [Width-1:0] word_q;
+
+  if (Style == "") begin : g_no_style
+    initial $error("Style is empty, expected auto or a value of the synthesiser");
+  end
 
   always_ff @(posedge clk_i) begin
     if (write_enable_i) words[write_address_i] <= write_data_i;
@@ -25,7 +32,7 @@ module raypath_ram_1r1w #(
   end
 
   if (ReadLatency == 2) begin : g_output
-    // The output register of a block RAM. It needs no enable, because `word_q` stays until the next read.
+    // The output register of a block RAM. It needs no enable: `word_q` stays until the next read.
     logic [Width-1:0] output_q;
 
     always_ff @(posedge clk_i) output_q <= word_q;

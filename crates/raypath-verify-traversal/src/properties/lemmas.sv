@@ -15,7 +15,7 @@ module p_queue #(parameter int N = 8, parameter int W = 3) (
 endmodule
 
 // What is kept in a memory for the context that is followed: a reader has in the next cycle what was written last.
-module p_kept #(parameter int B = 1) (
+module p_kept #(parameter int B = 1, parameter int LATENCY = 1) (
   input logic clk_i, rst_ni, writes, reads, ignored,
   input logic [B-1:0] given, shown, stored,
   output logic right, stays
@@ -29,6 +29,13 @@ module p_kept #(parameter int B = 1) (
     if (writes) kept_q <= given;
     if (reads) expected_q <= kept_q;
   end
-  assign right = !read_q || ignored || shown == expected_q;
+  logic late_q;
+  logic [B-1:0] late_expected_q;
+  always_ff @(posedge clk_i or negedge rst_ni)
+    if (!rst_ni) late_q <= 0;
+    else late_q <= read_q;
+  always_ff @(posedge clk_i) late_expected_q <= expected_q;
+  assign right = LATENCY == 2 ? !late_q || ignored || shown == late_expected_q
+    : !read_q || ignored || shown == expected_q;
   assign stays = !has_q || stored == kept_q;
 endmodule

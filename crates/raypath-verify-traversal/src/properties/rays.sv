@@ -45,7 +45,7 @@
   (* hierconn *) logic [A-1:0] \u_begins.slot ;
   (* hierconn *) logic [64:0] \u_begins.word_q ;
   always_comb assume (\u_begins.slot == p_context);
-  p_kept #(.B (65)) p_keeps_begins (
+  p_kept #(.B (65), .LATENCY (LATENCY)) p_keeps_begins (
     .clk_i, .rst_ni, .writes (p_enters && contexts_context == p_context),
     .reads (step_read_i && step_context_i == p_context), .ignored (1'b0),
     .given ({root_i, entry_t_max_i, flags_i[2]}), .stored (\u_begins.word_q ),

@@ -5,14 +5,16 @@
 // conservative true.
 //
 // A memory with one write port and one read port. Read data appears after the clock edge at which
-// read_enable_i is 1, and stays until the next read. A read of the word that is written at the same
-// edge returns its old value. The words have no initial value and no reset. An address must be less
-// than Depth. To use a memory macro, replace this module by a wrapper with the same ports and
-// rules.
+// read_enable_i is 1, and stays until the next read; with ReadLatency = 2 an output register shows
+// it one clock edge later. A read of the word that is written at the same edge returns its old
+// value. The words have no initial value and no reset. An address must be less than Depth. To use a
+// memory macro, replace this module by a wrapper with the same parameters, ports and rules.
 
 module raypath_ram_1r1w #(
   parameter  logic [31:0] Depth        = 2,
   parameter  logic [31:0] Width        = 1,
+  parameter  logic [31:0] ReadLatency  = 1,
+  parameter               Style        = "auto",
   localparam logic [31:0] AddressWidth = $clog2(Depth)
 ) (
   input  logic                    clk_i,
@@ -24,14 +26,32 @@ module raypath_ram_1r1w #(
   output logic [Width-1:0]        read_data_o
 );
 
+  // The attribute of Vivado and Yosys, and that of Quartus.
+  (* ram_style = Style, ramstyle = Style *)
   logic [Width-1:0] words [Depth];
+  logic [Width-1:0] word_q;
+
+  if (Style == "") begin : g_no_style
+    initial $error("Style is empty, expected auto or a value of the synthesiser");
+  end
 
   always_ff @(posedge clk_i) begin
     if (write_enable_i) words[write_address_i] <= write_data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (read_enable_i) read_data_o <= words[read_address_i];
+    if (read_enable_i) word_q <= words[read_address_i];
+  end
+
+  if (ReadLatency == 2) begin : g_output
+    // The output register of a block RAM. It needs no enable: `word_q` stays until the next read.
+    logic [Width-1:0] output_q;
+
+    always_ff @(posedge clk_i) output_q <= word_q;
+
+    assign read_data_o = output_q;
+  end else begin : g_no_output
+    assign read_data_o = word_q;
   end
 
 endmodule : raypath_ram_1r1w
