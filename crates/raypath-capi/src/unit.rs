@@ -42,6 +42,8 @@ pub struct UnitParameters {
     pub queries: u32,
     /// Whether front faces run clockwise: 0 or 1.
     pub clockwise_front: u32,
+    /// Whether the memories of a step have parity: 0 or 1.
+    pub parity: u32,
 }
 
 /// `raypath_unit_hit`: no triangle is hit.
@@ -95,7 +97,7 @@ pub const RAYPATH_INSTANCE_FORCE_NO_OPAQUE: u32 = 8;
 
 /// Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
 /// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `ram-latency`, `instances`,
-/// `queries`, `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default.
+/// `queries`, `parity`, `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default.
 /// Of the features, a unit has `barycentrics` alone. Any thread may call it.
 ///
 /// Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
@@ -175,6 +177,7 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
                 Queries::Full => 2,
             },
             clockwise_front: (parameters.step.front == Front::Clockwise).into(),
+            parity: parameters.parity.into(),
         };
         Ok(RAYPATH_OK)
     })

@@ -236,7 +236,8 @@ def test_parameters(unit: raypath.Unit) -> None:
         "ram_latency": 1,
         "node_limit": 1 << 24,
     }
-    parts = {"instances": False, "nested_instances": False, "queries": "none", "front": "counter-clockwise"}
+    parts = {"instances": False, "nested_instances": False, "queries": "none"}
+    parts |= {"parity": False, "front": "counter-clockwise"}
     expected = {**numbers_of, "node": "wide4", **parts}
     assert unit.parameters == expected
     lines = ["contexts = 8", "stack = 2", "memory-width = 256", "id-width = 12", "barycentrics = true"]

@@ -4,7 +4,7 @@
 use crate::common::along_z;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_hdl::{Builder, Module};
+use raypath_hdl::{Builder, Module, mutate};
 use raypath_model::Shape;
 use raypath_ops::{Rounding, Rules};
 use raypath_rtl::{Config, Control};
@@ -91,6 +91,7 @@ fn the_model_equals_the_netlist_in_every_cycle() {
             id_width,
             divider_latency,
             ram_latency,
+            parity: seed % 4 > 1,
             ..UnitParameters::default()
         };
         let unit = UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit");
@@ -120,6 +121,59 @@ fn the_model_equals_the_netlist_in_every_cycle() {
         }
     }
     assert!(entered > 500 && failed > 20, "{entered} instances were entered, {failed} rays failed");
+}
+
+/// A column of one bit that is always 0 in a memory is a wrong bit of some words. With parity, each ray ends with its hit
+/// or with an error of the memory; without, some have a wrong hit.
+#[test]
+fn parity_ends_rays_that_read_a_wrong_bit() {
+    let of_walk = ["u_states.", "u_stack.", "u_outcomes.", "u_verdicts.", "u_candidates."].map(|name| ("u_walk", name));
+    let memories: Vec<_> = [("u_rays", "u_begins."), ("u_blocks", "u_children_")].into_iter().chain(of_walk).collect();
+    for (node, features, memories) in [(Wide4, NOTHING, &memories[..5]), (Quantised, EVERYTHING, &memories[..])] {
+        let step = StepParameters { stack: 4, node, features, ..StepParameters::default() };
+        let (scene, rays) = setting(step, 60, 11);
+        let mut functional = Unit::new(Rules::Paper, step);
+        let expected: Vec<Reply> =
+            rays.iter().map(|ray| functional.trace_with(&scene.0[..], ray, &mut verdict_of)).collect();
+        let mut wrong = 0;
+        for (parity, (part, memory)) in
+            [false, true].into_iter().flat_map(|parity| memories.iter().map(move |of| (parity, *of)))
+        {
+            let parameters = UnitParameters { contexts: 8, step, parity, ram_latency: 2, ..UnitParameters::default() };
+            let mut unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+            let top = unit.top.clone();
+            let part = &top.instances().iter().find(|instance| instance.name == part).expect("a part").module;
+            let mut errors = 0;
+            for fault in mutate::faults(part).iter().filter(|fault| is_lost_bit(part, memory, &fault.to_string())) {
+                unit.top = mutate::replace(&top, &Arc::new(fault.apply(part).expect("a fault"))).expect("a unit");
+                let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
+                let mut environment = Environment::new(&scene.0, parameters, rays.clone(), QUIET, 1);
+                let mut proceeds = true;
+                while proceeds && !environment.is_done() && environment.cycles() < 20_000 {
+                    proceeds = environment.cycle(&mut [&mut netlist]).is_ok();
+                }
+                let others =
+                    environment.replies.iter().filter(|(number, reply)| **reply != expected[**number as usize]);
+                let (failed, hits): (Vec<_>, Vec<_>) = others.partition(|(_, reply)| reply.status == status::MEMORY);
+                errors += failed.len();
+                wrong += if parity { 0 } else { hits.len() };
+                let is_right = hits.is_empty() && environment.replies.len() == rays.len();
+                assert!(is_right || !parity, "{fault}: {} wrong hits", hits.len());
+            }
+            assert_eq!(errors > 0, parity, "{memory}: {errors} errors");
+        }
+        assert!(wrong > 20, "{wrong} wrong hits without parity");
+    }
+}
+
+/// Whether a fault is the loss of a column of one bit of this memory.
+fn is_lost_bit(part: &Module, memory: &str, fault: &str) -> bool {
+    let columns =
+        part.memories().iter().filter(|known| format!("{}.", known.name).starts_with(memory)).flat_map(|known| {
+            let bits = known.columns.iter().filter(|column| part.signal(column.read).width == 1);
+            bits.map(|column| format!(" {}.write_{}: replaced by zero", known.name, column.name))
+        });
+    columns.into_iter().any(|text| fault.ends_with(&text))
 }
 
 /// Scenes, each in the window of addresses that a base selects.
@@ -246,8 +300,14 @@ const RESETS: [usize; 2] = [300, 900];
 const FLUSHES: [usize; 2] = [600, 1200];
 
 fn verilator_equals_the_model(step: StepParameters) {
-    let parameters =
-        UnitParameters { contexts: 8, memory_width: 256, ram_latency: 2, step, ..UnitParameters::default() };
+    let parameters = UnitParameters {
+        contexts: 8,
+        memory_width: 256,
+        ram_latency: 2,
+        parity: true,
+        step,
+        ..UnitParameters::default()
+    };
     let (scene, rays) = setting(step, 60, 3);
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let folder = tempfile::tempdir().expect("a folder");

@@ -64,7 +64,16 @@ const fn unit(
     let step = StepParameters { stack, node, front, node_limit: NODE_LIMIT, features: UnitFeatures::OFF };
     (
         control,
-        UnitParameters { contexts, step, memory_width, divider_latency, id_width, address_width: 32, ram_latency },
+        UnitParameters {
+            contexts,
+            step,
+            memory_width,
+            divider_latency,
+            id_width,
+            address_width: 32,
+            ram_latency,
+            parity: false,
+        },
     )
 }
 

@@ -24,6 +24,7 @@ pub(super) const LEAST: UnitParameters = UnitParameters {
     address_width: 32,
     divider_latency: 2,
     ram_latency: 1,
+    parity: false,
 };
 
 /// The optional parts of a unit.

@@ -405,7 +405,7 @@ static void opening(const raypath_unit *unit, const char *folder) {
   CHECK_FAILS(raypath_unit_parameters(unit, NULL), RAYPATH_ERROR_NULL, "values is NULL");
   CHECK(raypath_unit_parameters(unit, &values) == RAYPATH_OK && values.contexts == 8 && values.stack == 2);
   CHECK(values.memory_width == 256 && values.id_width == 10 && values.divider_latency == 11);
-  CHECK(values.ram_latency == 1);
+  CHECK(values.ram_latency == 1 && values.parity == 0);
   CHECK(values.block_bytes == BLOCK && values.instances == 0 && values.address_width == 32);
   CHECK(strstr(raypath_unit_description(unit), "8 contexts") != NULL && raypath_unit_description(NULL) == NULL);
 

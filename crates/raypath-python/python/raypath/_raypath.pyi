@@ -92,6 +92,7 @@ class _UnitParameters(TypedDict):
     instances: bool
     nested_instances: bool
     queries: Literal["none", "flags", "full"]
+    parity: bool
     front: Literal["counter-clockwise", "clockwise"]
 
 class _Simulation(TypedDict):
@@ -879,6 +880,7 @@ class Unit:
         instances: bool = ...,
         nested_instances: bool = ...,
         queries: Literal["none", "flags", "full"] = ...,
+        parity: bool = ...,
         front: Literal["counter-clockwise", "clockwise"] = ...,
         registers: Literal["ieee", "recoded"] = ...,
         control: Literal["skid", "credit"] = ...,

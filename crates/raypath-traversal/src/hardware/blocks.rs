@@ -1,6 +1,6 @@
 //! The blocks that the memory returns.
 
-use super::connect::Inputs;
+use super::connect::{Inputs, parity};
 use super::issue::triangle_words;
 use super::parameters::UnitParameters;
 use super::queue::bits;
@@ -35,7 +35,7 @@ pub const MATRIX_WORDS: usize = 12;
 /// the memories of a step, and stay until the next read. The readers are `job` (`word_…_o`, and with a decoder `exists_…_o`, which children exist), `child` (`child_…_o`)
 /// and `index` (`index_…_o`).
 pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts, memory_width, ram_latency, step, .. } = parameters;
+    let UnitParameters { contexts, memory_width, ram_latency, parity: has_parity, step, .. } = parameters;
     let nodes = step.node;
     let builder = Builder::new("raypath_unit_blocks");
     let m = &builder;
@@ -98,7 +98,15 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let children_of_job = if step.has_decoder() { 0..nodes.children() } else { 0..0 };
     let columns = of_jobs.iter().map(|&word| column(word)).chain(children_of_job.map(exist));
     let jobs = store("jobs", 1, columns.collect(), job);
-    let children = store("children", ram_latency, whole(child_word, 4), child);
+    let mut of_children = whole(child_word, 4);
+    if has_parity {
+        // A bit for each word, because a memory may have one of them.
+        let bit = |k: usize| (child_word + k, format!("parity_{k}"), parity(&[data(child_word + k)]));
+        of_children.extend((0..4).map(bit));
+    }
+    let mut children = store("children", ram_latency, of_children, child);
+    let child_error = has_parity.then(|| parity(&children));
+    children.truncate(4);
     let indices = store("indices", 1, whole(index_word, nodes.triangles_per_block() as usize), index);
     if step.features.has("geometry") {
         let word = nodes.geometry_word();
@@ -125,6 +133,7 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     for (name, words) in [("exists", exist), ("child", &children), ("index", &indices)] {
         words.iter().enumerate().for_each(|(k, word)| m.output(&format!("{name}_{k}_o"), *word));
     }
+    child_error.into_iter().for_each(|error| m.output("child_error_o", error));
     builder.finish()
 }
 

@@ -1,5 +1,6 @@
 //! Instances and memories whose ports and columns have names.
 
+use super::parameters::UnitParameters;
 use raypath_hdl::{Builder, Module, Wire};
 use std::sync::Arc;
 
@@ -66,23 +67,40 @@ pub type Access<'m> = (Wire<'m>, Wire<'m>);
 
 /// Words in a memory, with a column for each: written at one port, and read by name at the other.
 pub fn keep<'m>(name: &str, depth: u32, write: Access<'m>, words: Named<'m>, read: Access<'m>) -> Named<'m> {
-    keep_for(1, name, depth, write, words, read)
+    let parameters = UnitParameters { ram_latency: 1, parity: false, ..UnitParameters::default() };
+    keep_of_step(parameters, name, depth, write, words, read).0
 }
 
-/// As [`keep`], with reads of `latency` cycles.
-pub fn keep_for<'m>(
-    latency: u32,
+/// As [`keep`], in a memory that a step reads: with its latency, and whether what was read has a wrong parity.
+pub fn keep_of_step<'m>(
+    UnitParameters { ram_latency, parity: has_parity, .. }: UnitParameters,
     name: &str,
     depth: u32,
     write: Access<'m>,
-    words: Named<'m>,
+    mut words: Named<'m>,
     read: Access<'m>,
-) -> Named<'m> {
+) -> (Named<'m>, Option<Wire<'m>>) {
+    let wires = |words: &[(String, Wire<'m>)]| words.iter().map(|(_, wire)| *wire).collect::<Vec<_>>();
+    words.extend(has_parity.then(|| named("parity", parity(&wires(&words)))));
     let columns: Vec<(&str, u32)> = words.iter().map(|(name, wire)| (name.as_str(), wire.width())).collect();
-    let memory = write.0.builder().memory(name, depth, &columns).latency(latency);
-    memory.write(write.0, write.1, &words.iter().map(|(_, wire)| *wire).collect::<Vec<_>>());
-    let read = memory.read(read.0, read.1);
-    words.into_iter().map(|(name, _)| name).zip(read).collect()
+    let memory = write.0.builder().memory(name, depth, &columns).latency(ram_latency);
+    memory.write(write.0, write.1, &wires(&words));
+    let found = memory.read(read.0, read.1);
+    let error = has_parity.then(|| parity(&found));
+    let names = words.into_iter().map(|(name, _)| name).take(found.len() - usize::from(has_parity));
+    (names.zip(found).collect(), error)
+}
+
+/// Whether these words have an odd number of ones.
+pub fn parity<'m>(words: &[Wire<'m>]) -> Wire<'m> {
+    let mut width = words.iter().map(|word| word.width()).max().unwrap_or(1).next_power_of_two();
+    let extended = words.iter().map(|word| word.extend(width));
+    let mut all = extended.reduce(|a, b| a ^ b).unwrap_or(words[0]);
+    while width > 1 {
+        width /= 2;
+        all = all.upper(width) ^ all.lower(width);
+    }
+    all
 }
 
 /// A register that takes `wire` in every cycle.

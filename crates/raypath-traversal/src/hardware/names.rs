@@ -51,6 +51,7 @@ declare! {
     "nested-instances": step.features.nested, "true|false", "Objects of instances have instances; with instances only";
     "queries": step.features.queries, "none|flags|full",
         "What ray queries need: opacity, masks and flags of instances; with full also candidates for a shader";
+    "parity": parity, "true|false", "The memories that a step reads have parity, and an error ends the ray";
     "front": step.front, "counter-clockwise|clockwise", "Order of the vertices of a front face";
 }
 

@@ -24,6 +24,9 @@ pub struct UnitParameters {
     /// Cycles of a read of the memories that a step reads: 1, or 2 with their output registers. A step has two stages
     /// of as many cycles.
     pub ram_latency: u32,
+    /// The words that a step reads have a parity bit in their memories; if it is wrong, the ray ends with
+    /// [`status::MEMORY`](crate::state::status::MEMORY).
+    pub parity: bool,
 }
 
 impl Default for UnitParameters {
@@ -36,13 +39,14 @@ impl Default for UnitParameters {
             address_width: 32,
             divider_latency: 11,
             ram_latency: 1,
+            parity: false,
         }
     }
 }
 
 impl fmt::Display for UnitParameters {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { contexts, step, memory_width, id_width, address_width, divider_latency, ram_latency } = self;
+        let Self { contexts, step, memory_width, id_width, address_width, divider_latency, ram_latency, parity } = self;
         write!(
             f,
             "{contexts} contexts, stacks of {}, memory of {memory_width} bits, ids of {id_width} bits, division in \
@@ -68,7 +72,8 @@ impl fmt::Display for UnitParameters {
         if step.features.has_flags() {
             write!(f, ", queries {}", step.features.queries)?;
         }
-        f.write_str(if step.front == Front::Clockwise { ", clockwise fronts" } else { "" })
+        f.write_str(if step.front == Front::Clockwise { ", clockwise fronts" } else { "" })?;
+        f.write_str(if *parity { ", parity" } else { "" })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The rays: their contexts, their set-up, and what is kept of them.
 
-use super::connect::{Inputs, Named, delay, keep, keep_for, named, prefixed};
+use super::connect::{Inputs, Named, delay, keep, keep_of_step, named, prefixed};
 use super::contexts::contexts;
 use super::entries::entries;
 use super::package::refer_to_package;
@@ -33,7 +33,7 @@ use std::sync::Arc;
 /// space if `job_inside_i` is 1; `job_dir_…_o` is the direction outside, with nested instances or candidates that in its
 /// space too.
 pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts: count, id_width, divider_latency, ram_latency, step, .. } = parameters;
+    let UnitParameters { contexts: count, id_width, divider_latency, step, .. } = parameters;
     let StepParameters { features, front, .. } = step;
     let builder = Builder::new("raypath_unit_rays");
     let m = &builder;
@@ -117,7 +117,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let id = keep("u_ids", count, at_entry, vec![named("id", id)], release);
     let origin = keep("u_origins", count, at_entry, wires("origin", &entry.origin), job);
     let limits = keep("u_limits", count, at_entry, limits, limits_reader);
-    let begin = keep_for(ram_latency, "u_begins", count, at_entry, begin, step);
+    let (begin, begin_error) = keep_of_step(parameters, "u_begins", count, at_entry, begin, step);
     let is_known = constants.port("valid");
     let known = constants.port("context");
     let derived: Named<'_> = CONSTANTS.iter().map(|name| named(name, constants.port(name))).collect();
@@ -182,6 +182,7 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .for_each(|(name, wire)| output(name, *wire));
     of_job.into_iter().for_each(|(name, wire)| output(&format!("job_{name}"), wire));
     begin.iter().for_each(|(name, wire)| output(&format!("begin_{name}"), *wire));
+    begin_error.into_iter().for_each(|error| m.output("begin_error_o", error));
     builder.finish()
 }
 

@@ -7,7 +7,7 @@
 //! one.
 
 use super::candidates::is_of_candidate;
-use super::connect::{Access, Inputs, Named, Outputs, delay, delay_by, hold, keep_for, named, prefixed};
+use super::connect::{Access, Inputs, Named, Outputs, delay, delay_by, hold, keep_of_step, named, parity, prefixed};
 use super::hits::is_shown;
 use super::package::refer_to_package;
 use super::parameters::UnitParameters;
@@ -16,7 +16,7 @@ use super::scheduler::{scheduler, sources};
 use super::step::{finish_module, prepare_module, window_module};
 use crate::blocks::NodeKind;
 use crate::netlist::{Netlist, inputs_with, wires_with};
-use crate::state::{Group, RayState, RayWords, answer, request};
+use crate::state::{Group, RayState, RayWords, answer, request, status};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_ops::{Binary32, ports_of};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ use std::sync::Arc;
 /// address without its offset, `count_o` and, with instances, `is_instance_o` and `is_inside_o`. At the end:
 /// `status_o` and what a hit shows of the state, `next_…_o`.
 pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts: count, step, ram_latency: latency, .. } = parameters;
+    let UnitParameters { contexts: count, step, ram_latency: latency, parity: has_parity, .. } = parameters;
     let base_bits = parameters.base_bits();
     let builder = Builder::new("raypath_unit_walk");
     let m = &builder;
@@ -61,6 +61,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let children = inputs(&[("child_0", 32), ("child_1", 32), ("child_2", 32), ("child_3", 32)]);
     let begin: RayWords<Netlist<'_>> = inputs_with(m, "begin", step);
     let base = (base_bits > 0).then(|| m.input("begin_base_i", base_bits));
+    let errors = has_parity.then(|| ["child_error_i", "begin_error_i"].map(|name| m.input(name, 1)));
     let verdict = step.features.has_candidates().then(|| {
         let (valid, context) = given("verdict");
         (valid, context, inputs(&[("verdict_accepts", 1), ("verdict_ends", 1), ("verdict_t", 32)]))
@@ -124,10 +125,10 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let prepared_context = delay_by(latency, "prepared_context_q", read_context, None);
     let kind = delay_by(latency, "kind_q", kind, None);
     let at_read = (read, read_context);
-    let boxes = keep_for(latency, "u_outcomes", count, outcome, boxes, at_read);
+    let (boxes, boxes_error) = keep_of_step(parameters, "u_outcomes", count, outcome, boxes, at_read);
     let mut closest = delay_all(latency, closest);
-    let decided =
-        verdict.map(|(valid, context, words)| keep_for(latency, "u_verdicts", count, (valid, context), words, at_read));
+    let decided = verdict
+        .map(|(valid, context, words)| keep_of_step(parameters, "u_verdicts", count, (valid, context), words, at_read));
 
     m.section("The step is prepared, and the stack is read");
     let finishes = delay_by(latency, "finishes_q", prepares, Some(0));
@@ -136,10 +137,13 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let base = base.map(|base| delay_by(latency, "base_q", base, None));
     let fields = ports_of::<RayState<Binary32>>();
     let fields = fields.iter().filter(|port| step.has(&port.name) && !is_of_ray(&port.name));
-    let columns: Vec<(&str, u32)> = fields.map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
+    let columns = fields.map(|port| (port.name.as_str(), port.width.unwrap_or(32)));
+    let parity_column = has_parity.then_some(("parity", 1));
+    let columns: Vec<(&str, u32)> = columns.chain(parity_column).collect();
     let states = m.memory("u_states", count, &columns).latency(latency);
-    let kept: Vec<(&str, Wire<'_>)> =
-        columns.iter().map(|(name, _)| *name).zip(states.read(read, read_context)).collect();
+    let kept: Vec<Wire<'_>> = states.read(read, read_context);
+    let state_error = has_parity.then(|| parity(&kept));
+    let kept: Vec<(&str, Wire<'_>)> = columns.iter().map(|(name, _)| *name).zip(kept).collect();
     let c = Netlist(m);
     let first = RayState::begin(c, begin);
     let is = |known: u32| kind.equals(constant(known));
@@ -157,11 +161,18 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let tested = closest.clone();
     let mut verdict_words: Named<'_> = Vec::new();
     let mut is_tested = None;
-    if let Some(decided) = decided {
+    let mut error = errors.zip(boxes_error).zip(state_error).map(|(([child, begin], boxes), state)| {
+        let reads_child = is(answer::BOXES) | is(answer::ENTER) | is(answer::CANNOT_ENTER);
+        begin | (child & reads_child) | (boxes & is(answer::BOXES)) | (state & !begins)
+    });
+    if let Some((decided, decided_error)) = decided {
         let is_block = (prepares & is(answer::BLOCK)).named("is_tested");
         // A verdict comes with its candidate, which was the closest hit of the block; a box has the distance of the user.
-        let kept = keep_for(latency, "u_candidates", count, (is_block, prepared_context), closest.clone(), at_read);
+        let written = (is_block, prepared_context);
+        let (kept, kept_error) = keep_of_step(parameters, "u_candidates", count, written, closest.clone(), at_read);
         let is_verdict = is(answer::VERDICT).named("is_verdict");
+        let of_verdict = decided_error.zip(kept_error).map(|(decided, kept)| is_verdict & (decided | kept));
+        error = error.zip(of_verdict).map(|(error, of_verdict)| error | of_verdict);
         let is_box = state.iter().find(|(name, _)| name == "leaf_is_box").map_or(is_verdict, |(_, wire)| *wire);
         let chosen = closest.iter().zip(kept).map(|((name, now), (_, kept))| {
             let kept = if name == "closest_t" { is_box.mux(decided[2].1, kept) } else { kept };
@@ -172,6 +183,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         verdict_words = decided[..2].to_vec();
     }
     let state = prefixed("state", state);
+    let kind = error.map_or(kind, |error| error.named("reads_error").mux(constant(answer::ERROR), kind));
     let answer_words = [("kind".to_string(), kind)].into_iter();
     let answer_words = answer_words
         .chain(boxes.into_iter().map(|(name, wire)| (name.trim_start_matches("boxes_").to_string(), wire)))
@@ -187,24 +199,35 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let slot = |context: Wire<'_>, level: Wire<'_>| m.concat(&[context, level.lower(slot_bits)]);
     let deepest = half.port("half_deepest");
     let half = delay_all(latency, prefixed("half", half.under("half")));
+    let in_half = |field: &str| half.iter().find(|(name, _)| name == field).map(|(_, wire)| *wire);
+    let [pops, is_empty, is_on_stack] =
+        ["pops", "is_empty", "is_on_stack"].map(|name| in_half(&format!("half_{name}")));
     let was_restarting = half.iter().find(|(name, _)| name == "half_state_restarting").map(|(_, wire)| *wire);
 
     m.section("The step is finished, and everything is written");
     let top_columns = ports_of::<Group<Binary32>>();
-    let columns: Vec<(&str, u32)> =
-        top_columns.iter().map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
+    let columns = top_columns.iter().map(|port| (port.name.as_str(), port.width.unwrap_or(32)));
+    let columns: Vec<(&str, u32)> = columns.chain(parity_column).collect();
     let stack = m.memory("u_stack", count * step.stack, &columns).latency(latency);
     let top = stack.read(prepares, slot(prepared_context, deepest));
+    let reads_stack = pops.zip(is_empty).zip(is_on_stack).map(|((pops, is_empty), is_on)| pops & !is_empty & is_on);
+    let stack_error = reads_stack.filter(|_| has_parity).map(|reads| (reads & parity(&top)).named("stack_error"));
     let top = top_columns.iter().map(|port| format!("top_{}", port.name)).zip(top);
     let done = Inputs::default().ports(half).ports(top).place(m, "u_finish", &finish_module(step)?);
     let next = done.under("next");
     let restarts = next.iter().find(|(name, _)| name == "restarting").map(|(_, wire)| *wire);
     let restarts = restarts.zip(was_restarting).map_or(finishes, |(is, was)| finishes & is & !was);
+    let with_parity = |mut words: Vec<_>| {
+        words.extend(has_parity.then(|| parity(&words)));
+        words
+    };
     let changed = next.iter().filter(|(name, _)| !is_of_ray(name));
-    states.write(finishes, finished_context, &changed.map(|(_, wire)| *wire).collect::<Vec<_>>());
-    let group: Vec<Wire<'_>> = done.under("request_group").into_iter().map(|(_, wire)| wire).collect();
+    states.write(finishes, finished_context, &with_parity(changed.map(|(_, wire)| *wire).collect()));
+    let group = with_parity(done.under("request_group").into_iter().map(|(_, wire)| wire).collect());
     stack.write(finishes & done.port("request_writes"), slot(finished_context, done.port("request_level")), &group);
-    let kind = done.port("request_kind");
+    let or_done =
+        |kind| stack_error.map_or(kind, |error| error.mux(request::CODES.word::<_, 2>(c, request::DONE).value.0, kind));
+    let kind = or_done(done.port("request_kind"));
     let goes_on = (finishes & !flush).named("goes_on");
     let is_asked = |asked: u32| kind.equals(request::CODES.word::<_, 2>(c, asked).value.0);
     let asks = |asked: u32| goes_on & is_asked(asked);
@@ -240,7 +263,10 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .into_iter()
         .filter(|name| step.has(name))
     {
-        m.output(&format!("{name}_o"), done.port(&format!("request_{name}")));
+        let wire = done.port(&format!("request_{name}"));
+        let failed = stack_error.filter(|_| name == "status");
+        let memory = status::CODES.word::<_, 3>(c, status::MEMORY).value.0;
+        m.output(&format!("{name}_o"), failed.map_or(wire, |error| error.mux(memory, wire)));
     }
     let is_inside = next.iter().filter(|(name, _)| name == "inside");
     is_inside.for_each(|(_, wire)| m.output("is_inside_o", *wire));
