@@ -1783,9 +1783,9 @@ const char *raypath_last_error(void);
 
 /**
  * Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
- * `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `ram-latency`, `instances`,
- * `queries`, `parity`, `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default.
- * Of the features, a unit has `barycentrics` alone. Any thread may call it.
+ * `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `ram-latency`,
+ * `instances`, `queries`, `parity`, `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a
+ * line each; NULL is the default. Of the features, a unit has `barycentrics` alone. Any thread may call it.
  *
  * Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
  * `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.

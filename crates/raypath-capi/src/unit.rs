@@ -96,9 +96,9 @@ pub const RAYPATH_INSTANCE_FORCE_OPAQUE: u32 = 4;
 pub const RAYPATH_INSTANCE_FORCE_NO_OPAQUE: u32 = 8;
 
 /// Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
-/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `ram-latency`, `instances`,
-/// `queries`, `parity`, `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default.
-/// Of the features, a unit has `barycentrics` alone. Any thread may call it.
+/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `address-width`, `divider-latency`, `ram-latency`,
+/// `instances`, `queries`, `parity`, `front`. For example `preset = "compact"`, `contexts = 16` and `instances = true` in a
+/// line each; NULL is the default. Of the features, a unit has `barycentrics` alone. Any thread may call it.
 ///
 /// Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
 /// `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.

@@ -160,7 +160,7 @@ fn parity_ends_rays_that_read_a_wrong_bit() {
                 let is_right = hits.is_empty() && environment.replies.len() == rays.len();
                 assert!(is_right || !parity, "{fault}: {} wrong hits", hits.len());
             }
-            assert_eq!(errors > 0, parity, "{memory}: {errors} errors");
+            assert!(errors > 0 || !parity, "{memory}: no error");
         }
         assert!(wrong > 20, "{wrong} wrong hits without parity");
     }
