@@ -5,7 +5,7 @@ use raypath_model::{State, restore_state, saved_state};
 use sha2::{Digest, Sha256};
 
 /// The version of the bytes.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 const MAGIC: &[u8] = b"raypath state ";
 const DIGEST: usize = 64;
 
