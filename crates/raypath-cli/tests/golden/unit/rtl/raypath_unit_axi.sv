@@ -163,7 +163,7 @@ module raypath_unit_axi #(
 
     raypath_guard #(
       .AddressWidth (AddressWidth), .DataWidth (DataWidth), .BurstBytes (BurstBytes),
-    .TagWidth (TagWidth)
+      .TagWidth (TagWidth)
     ) u_guard (
       .clk_i, .rst_ni, .first_i ('0), .end_i ({1'b1, AddressWidth'(0)}), .timeout_i (Timeout),
       .clear_i (1'b1), .timed_out_o, .idle_o (unused_idle), .req_valid_i (mem_req_valid),
