@@ -284,8 +284,8 @@ int main(void) {
     }
   }
   require(raypath_unit_open("contexts = 16", &unit) == RAYPATH_OK, "unit");
-  require(raypath_scene_build(unit, vertices, 3 * TRIANGLES, indices, TRIANGLES, NULL, 0, NULL, 0, NULL, 0, 0,
-                              &scene) == RAYPATH_OK,
+  require(raypath_scene_build(unit, (const float(*)[3])vertices, 3 * TRIANGLES, (const uint32_t(*)[3])indices, TRIANGLES,
+                              NULL, 0, NULL, 0, NULL, 0, 0, &scene) == RAYPATH_OK,
           "scene");
   for (uint32_t k = 0; k < RAYS; k++) {
     rays[k] = (raypath_device_ray){.id = {k, 7}, .cull_mask = 255, .root = raypath_scene_root(scene), .t_max = 100};

@@ -164,7 +164,7 @@ fn bytes_of_others_are_refused() {
     assert!(refused(&state[..state.len() - 1]).ends_with("expected all that a model saved, unchanged"));
     let mut other = state.clone();
     other[14] = 9;
-    assert_eq!(refused(&other), "a state of version 9, expected version 1");
+    assert_eq!(refused(&other), "a state of version 9, expected version 2");
     other.clone_from(&state);
     other[90] ^= 1;
     assert!(refused(&other).ends_with("expected all that a model saved, unchanged"));

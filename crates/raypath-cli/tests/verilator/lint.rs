@@ -143,6 +143,9 @@ fn designs_of_different_prefixes_fit_in_one() {
             header.expect("ports").lines().map(|line| line.split("//").next().unwrap_or_default().trim_end());
         for port in ports_of.filter(|line| !line.is_empty()) {
             let (kind, name) = port.trim_end_matches(',').rsplit_once(' ').expect("a type and a name");
+            let defaults =
+                [("IdWidth", "16"), ("Units", "1"), ("TagWidth", "3"), ("ArUserWidth", "1"), ("AddressWidth", "32")];
+            let kind = defaults.iter().fold(kind.to_string(), |kind, (name, value)| kind.replace(name, value));
             ports.push(format!("{kind} {prefix}_{name}"));
             connections.push(format!("    .{name} ({prefix}_{name})"));
         }

@@ -18,10 +18,17 @@ folder, module, period = pathlib.Path(sys.argv[1]), sys.argv[2], float(sys.argv[
 
 def ports_of(name):
     text = (folder / f"rtl/{name}.sv").read_text()
-    header = re.search(rf"^module {name} (?:#\(\n.*?\n\) )?\(\n(.*?)\n\);", text, re.S | re.M)[1]
-    found = re.findall(r"^  (input|output) +logic +(?:\[(\d+):0\] +)?(\w+),?(?: +//.*)?$", header, re.M)
+    parameters, header = re.search(rf"^module {name} (?:#\((\n.*?)\n\) )?\(\n(.*?)\n\);", text, re.S | re.M).groups()
+    found = re.findall(r"^  (input|output) +logic +(?:\[([^:]+):0\] +)?(\w+),?(?: +//.*)?$", header, re.M)
     assert len(found) == sum(not line.strip().startswith("//") for line in header.splitlines())
-    return {port: (direction, int(left or 0) + 1) for direction, left, port in found}
+    # The defaults of parameters, of which widths are sums.
+    values = {"clog2": lambda number: (number - 1).bit_length()}
+    for parameter in re.sub(r"//.*", "", parameters or "").replace("\n", " ").split(","):
+        if assigned := re.search(r"(\w+) += (.*)", parameter):
+            value = re.sub(r"\d*'b?(?=\d)", "0b", assigned[2]).replace("$", "")
+            value = re.sub(r"(\(.*\)) +\? (.*) : (.*)", r"\2 if \1 else \3", value)
+            values[assigned[1]] = eval(value, values)
+    return {port: (direction, eval(left or "0", values) + 1) for direction, left, port in found}
 
 
 def run(program, script, name):
@@ -106,7 +113,7 @@ def units_below(name):
     """The units in a module and below it, by the instances in the text."""
     found = collections.Counter()
     body = (folder / f"rtl/{name}.sv").read_text().split("\n);", 1)[1]
-    for below in re.findall(r"^  (raypath\w*) (?:#\(.*\) )?u_\w+ \(", body, re.M):
+    for below in re.findall(r"^  (raypath\w*) (?:#\((?:[^()]|\([^()]*\))*\) )?u_\w+ \(", body, re.M):
         unit = re.fullmatch(r"raypath_fp_(\w+)", below)
         found += collections.Counter({unit[1]: 1}) if unit else units_below(below)
     return found
