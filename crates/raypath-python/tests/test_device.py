@@ -10,7 +10,7 @@ EXAMPLE = Path(__file__).parents[3] / "examples/device"
 
 def test_the_device_traces_rays_as_the_model(tmp_path: Path) -> None:
     """Undisturbed, within a region, with a memory that stops, and after a flush."""
-    command = [sys.executable, EXAMPLE / "trace.py", tmp_path]
+    command = [sys.executable, str(EXAMPLE / "trace.py"), str(tmp_path)]
     found = subprocess.run(command, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stdout + found.stderr
     assert "400 rays: every hit is the model's" in found.stdout
@@ -19,7 +19,7 @@ def test_the_device_traces_rays_as_the_model(tmp_path: Path) -> None:
 
 def test_registers_and_rings_survive_faults() -> None:
     """The registers are PeakRDL's, and the driver loses no record, whatever memory and software do."""
-    command = [EXAMPLE / "run.sh", "300"]
+    command = [str(EXAMPLE / "run.sh"), "300"]
     found = subprocess.run(
         command, env={**os.environ, "PYTHON": sys.executable}, capture_output=True, text=True, check=False
     )
