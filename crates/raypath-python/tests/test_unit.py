@@ -1,9 +1,9 @@
 """The traversal unit: hits against a brute-force oracle in float64, cycle-exact against functional model."""
 
+import re
 import subprocess
 import sys
 from collections import deque
-import re
 from pathlib import Path
 from typing import Any, Callable, Literal
 
