@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 # Tests registers, rings, driver and model of the device: examples/device/run.sh [EPISODES [SEED]]
-# EPISODES (2000) of the rings, for each of two widths of the memory; from 10000 on, for four.
+# EPISODES (2000) of the rings, for each of two widths of the memory; below 1000 for one, from 10000 on for four.
 #   VERILATOR='PROGRAM'  from 5.006 on
 #   PYTHON='PROGRAM'     with the packages peakrdl 1.5.0 and peakrdl-regblock 1.3.1
 # The model needs libraypath: scripts/install-libraypath.sh PREFIX, then PKG_CONFIG_PATH=PREFIX/lib/pkgconfig.
@@ -41,7 +41,8 @@ else
   not_run registers "pip install peakrdl==1.5.0 peakrdl-regblock==1.3.1, or set PYTHON to a Python that has both"
 fi
 
-widths=(128:32 1024:40)
+widths=(128:32)
+[ "$episodes" -lt 1000 ] || widths+=(1024:40)
 [ "$episodes" -lt 10000 ] || widths+=(256:33 512:64)
 for width in "${widths[@]}"; do
   data=${width%:*} address=${width#*:}
