@@ -20,6 +20,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "raypath_driver.h"
@@ -217,7 +218,8 @@ static Outcome trace(Bench &bench, raypath_driver &device, const std::vector<ray
   return outcome;
 }
 
-int main(int, char **arguments) {
+int main(int count_of_arguments, char **arguments) {
+  if (count_of_arguments != 2) fail("expected a folder with scene.bin, rays.bin and expected.bin");
   const std::string folder = arguments[1];
   Bench bench;
   bench.memory = file(folder + "/scene.bin");

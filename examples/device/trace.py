@@ -12,9 +12,9 @@ import raypath
 
 HERE = pathlib.Path(__file__).parent.resolve()
 SOFTWARE = HERE.parents[1] / "software"
-# Parameters of the device, and the bits of an id below that which tells reads of the ring.
 PARAMETERS = {"Units": 2, "CacheSets": 8, "CacheMisses": 4}
-RING_BIT = 3
+# The bits of an id below that which tells reads of the ring: the number of a unit, and that of a line under way.
+RING_BIT = sum((PARAMETERS[name] - 1).bit_length() for name in ("Units", "CacheMisses"))
 # The words of a hit's record from the fourth on, for a unit with queries and without instances.
 FIELDS = ("primitive", "t", "t_num", "t_denom", "geometry", "nodes", "triangles")
 

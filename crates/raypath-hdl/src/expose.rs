@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// ports behave the same in every cycle if the results are equivalent.
 ///
 /// A memory is replaced by ports too: its columns become input ports `stack_node`, and output ports `stack_depth`,
-/// `stack_latency`, `stack_write_enable`, `stack_write_address`, `stack_write_node`, `stack_read_enable` and `stack_read_address` show
-/// what it would do at the next edge. What an enable of 0 makes irrelevant is shown as 0.
+/// `stack_latency`, `stack_write_enable`, `stack_write_address`, `stack_write_node`, `stack_read_enable` and
+/// `stack_read_address` show what it would do at the next edge. What an enable of 0 makes irrelevant is shown as 0.
 pub fn expose_registers(module: &Arc<Module>) -> Arc<Module> {
     exposed(module, true)
 }
@@ -25,7 +25,8 @@ pub fn with_enables(module: &Arc<Module>) -> Arc<Module> {
 }
 
 /// `module` with every memory, in it and inside its instances, replaced by ports, as for [`expose_registers`], but
-/// without depth and latency, and with the signals at the memory as they are. Registers stay. It shows what is around memories.
+/// without depth and latency, and with the signals at the memory as they are. Registers stay. It shows what is around
+/// memories.
 pub fn expose_memories(module: &Arc<Module>) -> Arc<Module> {
     exposed(module, false)
 }

@@ -169,7 +169,8 @@ pub struct RegisterInfo {
 ///
 /// At an edge where the read enable is 1, the columns take the word at the read address as it was before the edge: a
 /// word that is written at the same edge shows its old value. Without the read enable the columns stay. With a latency
-/// of 2, the columns are a register that shows all this a cycle later. No reset clears words or columns. Addresses of `depth` or more must not occur; simulators read zero there and write nothing.
+/// of 2, the columns are a register that shows all this a cycle later. No reset clears words or columns. Addresses of
+/// `depth` or more must not occur; simulators read zero there and write nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MemoryInfo {
     /// The name of its instance in the text.

@@ -249,9 +249,11 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
         let flush = std::mem::take(&mut self.asks_flush);
         let inputs = UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response };
         engines.iter_mut().for_each(|engine| engine.cycle(&inputs));
-        let counts: Vec<_> = engines.iter().filter_map(|engine| engine.counts()).collect();
-        if let Some(differing) = counts.iter().find(|other| **other != counts[0]) {
-            return Err(wrong(format!("cycle {now}: an engine counts {differing:?}, another {:?}", counts[0])));
+        let mut counts = engines.iter().filter_map(|engine| engine.counts());
+        if let Some(first) = counts.next()
+            && let Some(other) = counts.find(|other| *other != first)
+        {
+            return Err(wrong(format!("cycle {now}: an engine counts {other:?}, another {first:?}")));
         }
 
         if let Some(k) = chosen {

@@ -52,8 +52,8 @@ fn sums_that_round_once_are_refused() {
     assert_eq!(problem, "the unit has no datapath with rounding sum, expected rounding unit");
 }
 
-/// The cycle-exact model and the netlist, in lockstep, under every behaviour of the other channels. Without errors of the
-/// memory, the replies are those of the functional model.
+/// The cycle-exact model and the netlist, in lockstep, under every behaviour of the other channels. Without errors of
+/// the memory, the replies are those of the functional model.
 #[test]
 fn the_model_equals_the_netlist_in_every_cycle() {
     let (mut entered, mut failed) = (0, 0);
@@ -123,8 +123,8 @@ fn the_model_equals_the_netlist_in_every_cycle() {
     assert!(entered > 500 && failed > 20, "{entered} instances were entered, {failed} rays failed");
 }
 
-/// A column of one bit that is always 0 in a memory is a wrong bit of some words. With parity, each ray ends with its hit
-/// or with an error of the memory; without, some have a wrong hit.
+/// A column of one bit that is always 0 in a memory is a wrong bit of some words. With parity, each ray ends with its
+/// hit or with an error of the memory; without, some have a wrong hit.
 #[test]
 fn parity_ends_rays_that_read_a_wrong_bit() {
     let of_walk = ["u_states.", "u_stack.", "u_outcomes.", "u_verdicts.", "u_candidates."].map(|name| ("u_walk", name));
@@ -288,8 +288,9 @@ fn a_reset_is_safe_after_a_flush() {
     assert!(broken.to_string().contains("answers owed"), "{broken}");
 }
 
-/// The frames that drove the model, with two resets and two flushes while rays are inside, drive Verilator, which begins with random
-/// values in registers and memories and without a reset. No assertion fails, and the linters have nothing to say.
+/// The frames that drove the model, with two resets and two flushes while rays are inside, drive Verilator, which
+/// begins with random values in registers and memories and without a reset. No assertion fails, and the linters have
+/// nothing to say.
 #[test]
 fn verilator_equals_the_model_in_every_cycle() {
     verilator_equals_the_model(StepParameters { features: EVERYTHING, ..StepParameters::default() });
@@ -358,10 +359,11 @@ fn verilator_equals_the_model(step: StepParameters) {
     assert_eq!(seen, outputs.len());
 }
 
-/// A module with the ports of the unit around the wrapper with structures: for the test bench, and as text, which has the
-/// field of each port.
+/// A module with the ports of the unit around the wrapper with structures: for the test bench, and as text, which has
+/// the field of each port.
 fn flattened(top: &Module) -> (Arc<Module>, String) {
-    let structures = "ray_t ray_i,hit_t hit_o,candidate_t cand_o,answer_t answer_i,mem_req_t mem_req_o,mem_rsp_t mem_rsp_i,count_t count_o";
+    let structures = "ray_t ray_i,hit_t hit_o,candidate_t cand_o,answer_t answer_i,mem_req_t mem_req_o,\
+                      mem_rsp_t mem_rsp_i,count_t count_o";
     let field = |port: &str| {
         let of = |whole: &'static str| Some((whole, port.strip_prefix(&whole[..whole.len() - 1])?));
         let (whole, field) = structures.split([',', ' ']).skip(1).step_by(2).find_map(of)?;

@@ -144,8 +144,8 @@ impl Claim {
         Ok(Obligation::new(format!("{}: {name}", self.module), top, text, method, expected))
     }
 
-    /// The claim, with its parameters and, if these are wanted, with further ones; that what happens never does; and the
-    /// faults.
+    /// The claim, with its parameters and, if these are wanted, with further ones; that what happens never does; and
+    /// the faults.
     fn obligations(&self, is_thorough: bool) -> Result<Vec<Obligation>, Error> {
         let further = self.further.iter().filter(|_| is_thorough);
         let proofs = std::iter::once(&[][..]).chain(further.copied()).map(|parameters: &[[&str; 2]]| {

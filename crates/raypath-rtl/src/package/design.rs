@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 /// All files of a datapath: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`; the same
 /// without package and structures in `raypath_plain.sv`; `raypath_properties.sv`; `pipeline.svg`; and the files for
-/// integration ([`files`](super::files)), with `raypath.sdc`, `raypath.xdc` for a clock of `period_ns`, and `raypath.xml`
-/// (IP-XACT). `description` says what the datapath is, in the comment at the head of each file.
+/// integration ([`files`](super::files)), with `raypath.sdc`, `raypath.xdc` for a clock of `period_ns`, and
+/// `raypath.xml` (IP-XACT). `description` says what the datapath is, in the comment at the head of each file.
 ///
 /// # Errors
 /// A datapath that cannot be printed: different modules of one name.
@@ -50,10 +50,10 @@ pub struct Wrapped<'a> {
 }
 
 /// All files of a design around a datapath: each module in `rtl/`, listed in `<top>.f`, with the wrapper in
-/// `<wrapper>.f`, in `<top>_wrapper.f` with a second wrapper, which has a structure for each channel of the top
-/// module, and in a list of its name with a module beyond; all modules but the wrappers in `<top>.sv`, and the same without package and structures in
-/// `<top>_plain.sv`; the assertions in `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`; and of the
-/// wrapper the constraints `<wrapper>.sdc` and `<wrapper>.xdc`, and `<wrapper>.xml` (IP-XACT).
+/// `<wrapper>.f`, in `<top>_wrapper.f` with a second wrapper, which has a structure for each channel of the top module,
+/// and in a list of its name with a module beyond; all modules but the wrappers in `<top>.sv`, and the same without
+/// package and structures in `<top>_plain.sv`; the assertions in `raypath_properties.sv`; `<top>.core` (FuseSoC) and
+/// `Bender.yml`; and of the wrapper the constraints `<wrapper>.sdc` and `<wrapper>.xdc`, and `<wrapper>.xml` (IP-XACT).
 ///
 /// # Errors
 /// A design that cannot be printed: different modules of one name.

@@ -29,17 +29,21 @@ impl UnitNetlist {
     /// # Errors
     /// A defect of the netlist.
     pub fn cluster(&self) -> Result<Arc<Module>, UnitError> {
+        self.cluster_of(&self.emitted()?)
+    }
+
+    fn cluster_of(&self, unit: &Arc<Module>) -> Result<Arc<Module>, UnitError> {
         let builder = Builder::new("raypath_cluster");
         let m = &builder;
         m.doc("Units behind one port for each channel. A ray enters the next unit that has a place.");
         m.doc("Requests, hits and candidates leave round robin. A tag has the number of the unit in its upper bits.");
         CHANNELS.iter().chain(&OF_MEMORY).for_each(|(prefix, comment)| m.channel(prefix, comment));
-        let data = data_words(m, "mem_rsp_data", "_i", self.parameters.memory_width).into_iter().enumerate();
-        let data = data.map(|(word, wire)| (format!("mem_rsp_data_{word}"), wire));
+        let data = self.beat(m, ["mem_rsp_data", "_i"]);
         let is_other = |name: &str| !name.starts_with("mem_rsp_data");
-        let outputs = through(m, &self.emitted()?, "u_unit", is_other, Inputs::default().ports(data));
-        invalidate(m);
-        for port in self.top.outputs() {
+        let outputs = through(m, unit, "u_unit", is_other, data);
+        let invalidates = m.input("invalidate_i", 1).comment("caches forget all lines");
+        m.unused("unused_invalidate", &[invalidates]);
+        for port in unit.outputs() {
             m.output(&port.name, outputs.port(port.stem()));
         }
         CACHE_COUNTS.iter().for_each(|name| m.output(&format!("count_{name}_o"), m.constant(1, 0)));
@@ -60,9 +64,14 @@ impl UnitNetlist {
     /// # Errors
     /// A defect of the netlist.
     pub fn axi(&self) -> Result<Arc<Module>, UnitError> {
+        self.axi_of(&self.emitted()?)
+    }
+
+    /// The same, around the unit as it is emitted.
+    pub(super) fn axi_of(&self, unit: &Arc<Module>) -> Result<Arc<Module>, UnitError> {
         let builder = Builder::new("raypath_unit_axi");
         let m = &builder;
-        let (cluster, width) = (self.cluster()?, self.parameters.memory_width);
+        let (cluster, width) = (self.cluster_of(unit)?, self.parameters.memory_width);
         let (beats, beat_bytes) = (self.parameters.step.node.block_bytes() * 8 / width, width / 8);
         let tag = cluster.port_width("mem_req_tag_o").unwrap_or(1);
         m.doc("A traversal unit, or a cluster of them, with an AXI4 read master as its memory port.");
@@ -75,20 +84,18 @@ impl UnitNetlist {
         CHANNELS.iter().chain(&[COUNTED]).chain(&of_axi).for_each(|(prefix, comment)| m.channel(prefix, comment));
         let arready = m.input("m_axi_arready", 1);
         let rid = m.input("m_axi_rid", tag);
-        let data = data_words(m, "m_axi_rdata", "", width);
+        let data = self.beat(m, ["m_axi_rdata", ""]);
         let rresp = m.input("m_axi_rresp", 2);
         let rlast = m.input("m_axi_rlast", 1);
         let rvalid = m.input("m_axi_rvalid", 1);
         // The unit counts the beats of each block.
         m.unused("unused_rlast", &[rlast]);
 
-        let words = data.into_iter().enumerate().map(|(word, wire)| (format!("mem_rsp_data_{word}"), wire));
-        let memory = Inputs::default()
+        let memory = data
             .port("mem_req_ready", arready)
             .port("mem_rsp_valid", rvalid)
             .port("mem_rsp_tag", rid)
-            .port("mem_rsp_error", rresp.any())
-            .ports(words);
+            .port("mem_rsp_error", rresp.any());
         let is_shared = |name: &str| !name.starts_with(MEMORY);
         let outputs = through(m, &cluster, "u_cluster", is_shared, memory);
         for port in cluster.outputs().iter().filter(|port| is_shared(&port.name)) {
@@ -110,8 +117,15 @@ impl UnitNetlist {
         Ok(text::verbatim(&netlist, text, rtl::below(&["raypath_guard"])))
     }
 
-    /// The modules that `raypath_device` has besides those of [`axi`](Self::axi), itself the last: the name, the comment
-    /// and the text of each. It is a cluster with registers, rings of rays and hits in memory, and an interrupt.
+    /// The words of a beat, from a port whose name begins and ends like this.
+    fn beat<'m>(&self, m: &'m Builder, [name, end]: [&str; 2]) -> Inputs<'m> {
+        let words = data_words(m, name, end, self.parameters.memory_width).into_iter().enumerate();
+        Inputs::default().ports(words.map(|(word, wire)| (format!("mem_rsp_data_{word}"), wire)))
+    }
+
+    /// The modules that `raypath_device` has besides those of [`axi`](Self::axi), itself the last: the name, the
+    /// comment and the text of each. It is a cluster with registers, rings of rays and hits in memory, and an
+    /// interrupt.
     ///
     /// # Errors
     /// A defect of the netlist.
@@ -136,10 +150,4 @@ fn through<'m>(
     let inputs =
         same.fold(more, |inputs, port| inputs.port(port.stem(), m.input(&port.name, inner.signal(port.signal).width)));
     inputs.place(m, name, inner)
-}
-
-/// The input that only caches read.
-fn invalidate(m: &Builder) {
-    let invalidates = m.input("invalidate_i", 1).comment("caches forget all lines");
-    m.unused("unused_invalidate", &[invalidates]);
 }

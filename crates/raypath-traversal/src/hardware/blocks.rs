@@ -31,9 +31,9 @@ pub const MATRIX_WORDS: usize = 12;
 ///
 /// A beat, `data_i` with `context_i` and `error_i`, arrives where `valid_i` is 1. With the last beat of a block,
 /// `arrived_o` is 1, and `failed_o` says whether one of its beats had an error. Three readers have ports of their own:
-/// `<reader>_read_i` and `<reader>_context_i`; the words are there in the next cycle, those of `child` after the latency of
-/// the memories of a step, and stay until the next read. The readers are `job` (`word_…_o`, and with a decoder `exists_…_o`, which children exist), `child` (`child_…_o`)
-/// and `index` (`index_…_o`).
+/// `<reader>_read_i` and `<reader>_context_i`; the words are there in the next cycle, those of `child` after the
+/// latency of the memories of a step, and stay until the next read. The readers are `job` (`word_…_o`, and with a
+/// decoder `exists_…_o`, which children exist), `child` (`child_…_o`) and `index` (`index_…_o`).
 pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let UnitParameters { contexts, memory_width, ram_latency, parity: has_parity, step, .. } = parameters;
     let nodes = step.node;

@@ -16,14 +16,15 @@ impl UnitNetlist {
 
     /// All files of the unit, each with its path in the output folder ([`package::wrapped`]). The wrappers are
     /// `raypath_unit_axi`, whose constraints are for a clock of `period_ns`, `raypath_unit_wrapper`, and
-    /// `raypath_device`, with the driver for it in `software`.
+    /// `raypath_device`.
     ///
     /// # Errors
     /// A defect of the netlist.
     pub fn files(&self, period_ns: f64) -> Result<Vec<(PathBuf, String)>, UnitError> {
+        let top = &self.emitted()?;
         Ok(package::wrapped(Wrapped {
-            top: &self.emitted()?,
-            wrapper: &self.axi()?,
+            top,
+            wrapper: &self.axi_of(top)?,
             beyond: &self.device()?,
             properties: &self.properties(),
             types: &[("cand", "candidate")],

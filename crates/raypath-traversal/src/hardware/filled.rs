@@ -111,7 +111,8 @@ impl UnitNetlist {
         if let Some(netlist) = netlist {
             let printed = verilog::print_module(netlist, &[])?;
             let ports = printed.split_once("(\n").and_then(|(_, rest)| rest.split_once("\n);\n"));
-            values.push(("PORTS".into(), Value::Lines(with_widths(ports.unwrap_or_default().0))));
+            let ports = ports.unwrap_or_default().0.lines().map(with_width);
+            values.push(("PORTS".into(), Value::Lines(ports.collect())));
             let names = netlist.text_ports().into_iter().map(|port| port.name);
             let of_cluster = names.filter(|name| !name.starts_with("m_axi") && name != "timed_out_o");
             let shared = ["clk_i", "rst_ni"].map(str::to_string).into_iter().chain(of_cluster);
@@ -192,7 +193,7 @@ fn wire(port: &TextPort) -> String {
         (None, 1) => String::new(),
         (None, width) => format!(" [{}:0]", width - 1),
     };
-    format!("{:<24} {};", format!("logic{range}"), port.stem())
+    format!("logic{range} {};", port.stem())
 }
 
 /// The words of the record of a hit, the last one first.
@@ -207,34 +208,21 @@ fn hit_words(fields: &[TextPort]) -> Vec<String> {
     words.chain(["23'd0, hit_back_face".to_string(), padded("status", 8), "hit_number".to_string()]).collect()
 }
 
-/// The lines of ports with aligned names; some have the width of a parameter.
-fn with_widths(ports: &str) -> Vec<String> {
-    let parts: Vec<_> = ports.lines().map(|line| (line, parts(line))).collect();
-    let most = parts.iter().filter_map(|(_, parts)| parts.as_ref()).map(|(_, kind, _)| kind.len()).max().unwrap_or(0);
-    let line = |(line, parts): &(&str, Option<(&str, String, &str)>)| match parts {
-        None => line.to_string(),
-        Some((direction, kind, rest)) => format!("  {direction:<6} {kind:<most$} {rest}"),
-    };
-    parts.iter().map(line).collect()
-}
-
 /// The width of a port or its wire, if it follows from parameters.
 fn width(name: &str) -> Option<&'static str> {
     WIDTHS.iter().find(|(beginning, _)| name.starts_with(beginning)).map(|(_, width)| *width)
 }
 
-/// The direction and the type of a port, and the line from its name on; none of a comment.
-fn parts(line: &str) -> Option<(&str, String, &str)> {
-    let (direction, rest) = line.trim_start().split_once(' ').filter(|(direction, _)| *direction != "//")?;
-    let code = rest.split("//").next()?;
-    let name = code.split_whitespace().next_back()?;
-    let (kind, _) = code.rsplit_once(name)?;
-    let range = |width: &str| match width {
-        "AddressWidth-32" => "logic [AddressWidth-33:0]".to_string(),
-        width => format!("logic [{width}-1:0]"),
+/// The line of a port, with the width of parameters if it follows from them.
+fn with_width(line: &str) -> String {
+    let port = parametric::declaration(line);
+    let Some((width, (_, kind, rest))) = port.and_then(|port| Some((width(port.2)?, port))) else { return line.into() };
+    let range = match width {
+        "AddressWidth-32" => "[AddressWidth-33:0]".to_string(),
+        width => format!("[{width}-1:0]"),
     };
-    let kind = width(name).map_or(kind.trim().to_string(), range);
-    Some((direction, kind, &rest[code.rfind(name)?..]))
+    let direction = kind.split("logic").next().unwrap_or_default();
+    format!("  {direction}logic {range} {rest}")
 }
 
 /// Items separated by commas, in lines; the first one begins in this column.

@@ -1,7 +1,8 @@
 //! The texts of the unit's modules, with parameters in the place of numbers.
 //!
 //! The modules are printed for a few values of the parameters. Where only numbers differ, each number is a sum of
-//! parameters, which follows from the differences: the text is the same for all values, and states what depends on what.
+//! parameters, which follows from the differences: the text is the same for all values, and states what depends on
+//! what.
 
 use super::parameters::UnitParameters;
 use super::queue::bits;
@@ -27,10 +28,8 @@ fn values(UnitParameters { contexts, id_width, address_width, .. }: UnitParamete
 /// that is 1 or may become 1 here is no parameter; nor is an address without a base.
 fn samples(unit: UnitParameters) -> Vec<UnitParameters> {
     let UnitParameters { contexts, id_width, address_width, .. } = unit;
-    let is_power = contexts.is_power_of_two();
     let near = if bits(contexts - 1) == bits(contexts) { contexts - 1 } else { contexts + 1 };
-    let mut samples = vec![UnitParameters { contexts: near, ..unit }];
-    samples.push(UnitParameters { contexts: if is_power { contexts / 2 } else { contexts.div_ceil(2) }, ..unit });
+    let mut samples = [near, contexts.div_ceil(2)].map(|contexts| UnitParameters { contexts, ..unit }).to_vec();
     samples.extend((id_width > 2).then_some(UnitParameters { id_width: id_width - 1, ..unit }));
     samples.extend((address_width > 34).then_some(UnitParameters { address_width: address_width - 1, ..unit }));
     samples
@@ -38,10 +37,9 @@ fn samples(unit: UnitParameters) -> Vec<UnitParameters> {
 
 /// The names of the parameters that the text of a unit has.
 pub fn names(unit: UnitParameters) -> impl Iterator<Item = &'static str> {
-    let all = samples(unit).into_iter().map(values);
-    let vary: Vec<Values> = all.collect();
-    let varies = move |place: usize| vary.iter().any(|sample| sample[place] != values(unit)[place]);
-    NAMES.into_iter().take(CONTEXT_WIDTH).enumerate().filter(move |(place, _)| varies(*place)).map(|(_, name)| name)
+    let (at, samples) = (values(unit), samples(unit));
+    let varies = move |place: &usize| samples.iter().any(|sample| values(*sample)[*place] != at[*place]);
+    (0..CONTEXT_WIDTH).filter(varies).map(|place| NAMES[place])
 }
 
 /// The unit `top`, which `build` builds around a datapath, with parameters in the texts of its modules.
@@ -129,7 +127,7 @@ enum Part<'t> {
     Other(&'t str),
 }
 
-/// The parts of a text, without spaces and line ends where `is_dense`.
+/// The parts of a text, which make it again.
 fn parts(text: &str) -> Vec<Part<'_>> {
     let mut parts = Vec::new();
     let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '\'';
@@ -159,8 +157,8 @@ fn parts(text: &str) -> Vec<Part<'_>> {
     parts
 }
 
-/// The text with parameters in the place of numbers, and those that it uses; none if the other texts, with these values,
-/// do not follow from any.
+/// The text with parameters in the place of numbers, and those that it uses; none if the other texts, with these
+/// values, do not follow from any.
 fn unified(text: &str, at: Values, others: &[(Values, &str)]) -> Option<(String, BTreeSet<usize>)> {
     let is_code = |part: &&Part<'_>| !matches!(part, Part::Other(text) if text.trim().is_empty());
     let others: Vec<(Values, Vec<Part<'_>>)> = others.iter().map(|(values, text)| (*values, parts(text))).collect();
@@ -203,8 +201,8 @@ struct Sum {
 }
 
 impl Sum {
-    /// From the number at these values, and from those at others, each of which differs from it in one parameter and, if
-    /// that is the number of contexts, in the width of a context.
+    /// From the number at these values, and from those at others, each of which differs from it in one parameter and,
+    /// if that is the number of contexts, in the width of a context.
     fn of(number: i64, at: Values, others: &[(Values, i64)]) -> Option<Self> {
         let mut factors = [0; NAMES.len()];
         for (values, other) in others {
@@ -278,8 +276,8 @@ fn with_checks(text: &str, unit: UnitParameters) -> String {
     text.replacen("\n);\n", &format!("\n);\n{checks}"), 1)
 }
 
-/// The text of the top module, whose datapath has a tag of `width` bits for the greatest number of contexts, `more` than
-/// those of a context.
+/// The text of the top module, whose datapath has a tag of `width` bits for the greatest number of contexts, `more`
+/// than those of a context.
 fn with_tag(text: &str, width: u32, more: u32) -> String {
     let last = width - 1;
     let lines =
@@ -333,7 +331,7 @@ pub fn laid_out(text: &str) -> String {
 }
 
 /// The indent of a declaration, its type, and the line from the name on.
-fn declaration(line: &str) -> Option<(usize, &str, &str)> {
+pub fn declaration(line: &str) -> Option<(usize, &str, &str)> {
     let code = line.trim_start();
     let indent = line.len() - code.len();
     let is_declared = ["input  logic ", "output logic ", "logic "].iter().any(|kind| code.starts_with(kind));

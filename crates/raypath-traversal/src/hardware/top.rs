@@ -41,7 +41,8 @@ pub struct UnitNetlist {
 
 impl UnitNetlist {
     /// Builds the unit around a datapath of this configuration. Distance operations are left out, and the features that
-    /// the unit needs are added: a tag, facing, hits of both faces, and conservative boxes. The feature `barycentrics` is that of the unit.
+    /// the unit needs are added: a tag, facing, hits of both faces, and conservative boxes. The feature `barycentrics`
+    /// is that of the unit.
     ///
     /// # Errors
     /// A parameter out of its range; rules, a format, an encoding or features that the unit does not have.
@@ -71,8 +72,8 @@ impl UnitNetlist {
         Ok(Self { top, datapath, config, parameters })
     }
 
-    /// The module `raypath_unit` as it is emitted: with parameters in the texts of its modules, whose defaults are those of
-    /// this unit.
+    /// The module `raypath_unit` as it is emitted: with parameters in the texts of its modules, whose defaults are
+    /// those of this unit.
     ///
     /// # Errors
     /// A defect of the netlist.
@@ -167,7 +168,8 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     Ok(builder.finish()?)
 }
 
-/// The drawing of a ray's way. A line begins with the letter of its part, or with the capital where the part is missing.
+/// The drawing of a ray's way. A line begins with the letter of its part, or with the capital where the part is
+/// missing.
 fn drawing(StepParameters { node, features, .. }: StepParameters) -> impl Iterator<Item = &'static str> {
     let is_there = move |line: &&str| match line.as_bytes().first() {
         Some(b'd') => node != NodeKind::Wide4,
@@ -243,8 +245,8 @@ impl<'m> Top<'m> {
         Ok(inputs.place(self.m, "u_blocks", &blocks(self.parameters)?))
     }
 
-    /// What is kept of a fetch for the jobs of its block: the number of triangles, the ray's extent and, with instances,
-    /// whether the block is one and the ray is in one.
+    /// What is kept of a fetch for the jobs of its block: the number of triangles, the ray's extent and, with
+    /// instances, whether the block is one and the ray is in one.
     fn fetched(&self) -> Named<'m> {
         let back = &self.back;
         back.fetch.0.wire().comment("what is kept of a fetch is there before its request, and so before its block");

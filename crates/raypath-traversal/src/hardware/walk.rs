@@ -29,10 +29,9 @@ use std::sync::Arc;
 /// instances, `start_is_instance_i`. Where `read_o` is 1, the child words and the ray of `read_context_o` are read,
 /// which are there after the latency of the memories of a step: `child_…_i`, `begin_…_i`.
 ///
-/// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`; with `ends_o` in any case
-/// if `flush_i` is 1. To fetch: `block_o`, the
-/// address without its offset, `count_o` and, with instances, `is_instance_o` and `is_inside_o`. At the end:
-/// `status_o` and what a hit shows of the state, `next_…_o`.
+/// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`; with `ends_o` in any
+/// case if `flush_i` is 1. To fetch: `block_o`, the address without its offset, `count_o` and, with instances,
+/// `is_instance_o` and `is_inside_o`. At the end: `status_o` and what a hit shows of the state, `next_…_o`.
 pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let UnitParameters { contexts: count, step, ram_latency: latency, parity: has_parity, .. } = parameters;
     let base_bits = parameters.base_bits();
@@ -167,7 +166,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     });
     if let Some((decided, decided_error)) = decided {
         let is_block = (prepares & is(answer::BLOCK)).named("is_tested");
-        // A verdict comes with its candidate, which was the closest hit of the block; a box has the distance of the user.
+        // A verdict comes with its candidate, which was the closest hit of the block; a box has the distance of the
+        // user.
         let written = (is_block, prepared_context);
         let (kept, kept_error) = keep_of_step(parameters, "u_candidates", count, written, closest.clone(), at_read);
         let is_verdict = is(answer::VERDICT).named("is_verdict");
@@ -200,9 +200,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let deepest = half.port("half_deepest");
     let half = delay_all(latency, prefixed("half", half.under("half")));
     let in_half = |field: &str| half.iter().find(|(name, _)| name == field).map(|(_, wire)| *wire);
-    let [pops, is_empty, is_on_stack] =
-        ["pops", "is_empty", "is_on_stack"].map(|name| in_half(&format!("half_{name}")));
-    let was_restarting = half.iter().find(|(name, _)| name == "half_state_restarting").map(|(_, wire)| *wire);
+    let [pops, is_empty, is_on_stack, was_restarting] =
+        ["pops", "is_empty", "is_on_stack", "state_restarting"].map(|name| in_half(&format!("half_{name}")));
 
     m.section("The step is finished, and everything is written");
     let top_columns = ports_of::<Group<Binary32>>();

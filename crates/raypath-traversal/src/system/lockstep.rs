@@ -79,8 +79,8 @@ fn bench(cluster: &Module, CacheParameters { sets, ways, line, misses }: CachePa
     let words = (0..WIDTH / 32).rev().map(|word| format!("mem_rsp_data_{word}_i")).collect::<Vec<_>>().join(", ");
     writeln!(
         text,
-        "  raypath_cluster #(.Contexts ({CONTEXTS}), .IdWidth (9), .Units ({UNITS}), .CacheSets ({sets}), .CacheWays ({ways}), .CacheMisses ({misses}), \
-         .CacheLineBytes ({line})) u_cluster (.mem_rsp_data_i ({{{words}}}), .*);\nendmodule"
+        "  raypath_cluster #(.Contexts ({CONTEXTS}), .IdWidth (9), .Units ({UNITS}), .CacheSets ({sets}), \
+         .CacheWays ({ways}), .CacheMisses ({misses}), .CacheLineBytes ({line})) u_cluster (.mem_rsp_data_i ({{{words}}}), .*);\nendmodule"
     )
     .expect("a text");
     (shell, text)

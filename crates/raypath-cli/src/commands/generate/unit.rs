@@ -29,7 +29,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.datapath.config()?;
     let unit = UnitNetlist::new(config, arguments.unit_parameters.parameters())?;
     let prefix = &arguments.prefix;
-    write_design(&arguments.out, &in_folder(&arguments.out, prefix.rename(unit.files(arguments.period)?)))?;
+    let files = unit.files(arguments.period)?;
+    let modules = files.iter().filter(|(path, _)| path.starts_with("rtl")).count();
+    write_design(&arguments.out, &in_folder(&arguments.out, prefix.rename(files)))?;
 
     writeln!(out, "raypath {VERSION}: {}\n", unit.description())?;
     writeln!(out, "Ports of {prefix}_unit\n\n{}\n", ports(&unit.top))?;
@@ -39,11 +41,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let control = all - datapath;
     writeln!(out, "Flip-flops: {control} around the datapath, {datapath} in it\n\n{}\n", parts(&unit.top, prefix))?;
     let folder = arguments.out.display();
-    let modules = raypath_hdl::verilog::sources(&unit.axi()?, &[])?.len();
-    writeln!(
-        out,
-        "Wrote {modules} modules to {folder}/rtl, listed in {folder}/{prefix}_unit.f, with the AXI4 wrapper"
-    )?;
+    writeln!(out, "Wrote {modules} files to {folder}/rtl, listed in {folder}/{prefix}_unit.f, with the AXI4 wrapper")?;
     writeln!(out, "{prefix}_unit_axi in {folder}/{prefix}_unit_axi.f, the device with registers and rings")?;
     writeln!(out, "{prefix}_device in {folder}/{prefix}_device.f, and with structures {prefix}_unit_wrapper")?;
     writeln!(out, "in {folder}/{prefix}_unit_wrapper.f; all but the wrappers to {folder}/{prefix}_unit.sv,")?;

@@ -343,7 +343,7 @@ bind raypath_stage_11 raypath_order_properties #(
 // The ports of the traversal unit: a ray that enters ends once or is flushed, a request and a
 // candidate have a tag that is not in use, an idle unit waits for nothing, and the memory and the
 // user answer what they were asked. After a reset nothing is asked: an answer to a request from
-// before it is one that nobody asked for.
+// before it is one that was not requested.
 module raypath_unit_ports_properties #(
   parameter int unsigned Contexts     = 8,
   parameter int unsigned ContextWidth = 3,

@@ -90,7 +90,7 @@ module raypath_guard #(
   end
 
   // ---- The time of the memory -----------------------------------------------------
-  // After a timeout, late beats are dropped: their tags belong to nobody.
+  // After a timeout, late beats are dropped: no request has their tags.
   logic [OwedWidth-1:0] owed_q;
   logic [31:0]          waited_q;
   logic                 receives;
