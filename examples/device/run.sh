@@ -8,6 +8,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 episodes=${1:-2000} seed=${2:-1}
+for number in "$episodes" "$seed"; do
+  [[ $number =~ ^[1-9][0-9]*$ ]] || { echo "run.sh: '$number', expected a number from 1 on" >&2; exit 2; }
+done
 verilator=${VERILATOR:-verilator} python=${PYTHON:-python3}
 here=examples/device rtl=crates/raypath-traversal/src build=build/device
 mkdir -p "$build"

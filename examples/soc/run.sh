@@ -8,6 +8,7 @@
 #   SIZE='32x24'       of the picture
 set -euo pipefail
 board=${1:-sim}
+[[ $board == sim || $board == ulx3s ]] || { echo "run.sh: '$board', expected sim or ulx3s" >&2; exit 2; }
 folder=$(realpath -m "${2:-build/soc}")
 cd "$(dirname "$0")/../.."
 mkdir -p "$folder"
