@@ -12,7 +12,7 @@
 //! use raypath_hdl::Simulator;
 //!
 //! let format = Format::BINARY32;
-//! let mut simulator = Simulator::new(&add(format)?)?;
+//! let mut simulator = Simulator::new(&add(format, false)?)?;
 //! let (a, b, sum) = (simulator.input("a_i")?, simulator.input("b_i")?, simulator.output("sum_o")?);
 //! simulator.set(a, format.encode(1.5_f32.to_bits().into()));
 //! simulator.set(b, format.encode(2.25_f32.to_bits().into()));
@@ -28,7 +28,6 @@ mod units;
 pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
 pub use units::{
-    DivSqrt, Narrow, add, add_parts, compare, compare_narrow, decode, decode_narrow, div, encode, flags, mul,
-    mul_by_short_parts, mul_inferred_parts, mul_narrow_parts, mul_parts, mul_with_residue, narrow, number, sqrt,
-    sum_parts,
+    DivSqrt, Narrow, Product, add, add_to_divide, compare, compare_narrow, decode, decode_narrow, div, encode, flags,
+    mul, mul_by_short, mul_narrow, mul_with_residue, narrow, number, sqrt, sum,
 };

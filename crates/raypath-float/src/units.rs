@@ -24,14 +24,14 @@ mod recurrence;
 mod round;
 mod sum;
 
-pub use add::{add, add_parts};
+pub use add::{add, add_to_divide};
 pub use compare::{compare, compare_narrow};
 pub use decode::{decode, decode_narrow};
 pub use div_sqrt::{div, sqrt};
 pub use encode::encode;
-pub use mul::{mul, mul_by_short_parts, mul_inferred_parts, mul_parts, mul_with_residue};
-pub use mul_narrow::mul_narrow_parts;
+pub use mul::{Product, mul, mul_by_short, mul_with_residue};
+pub use mul_narrow::mul_narrow;
 pub use narrow::{Narrow, narrow};
 pub use number::number;
 pub use recurrence::DivSqrt;
-pub use sum::sum_parts;
+pub use sum::sum;

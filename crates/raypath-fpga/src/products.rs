@@ -24,7 +24,7 @@ fn parts(bits: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_float::Format;
+    use raypath_float::{Format, Product};
     use raypath_hdl::{Builder, verilog};
     use raypath_tools::{Yosys, temporary_folder, write};
     use std::fmt::Write as _;
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn a_product_of_24_bits_takes_four() {
-        let unit = raypath_float::mul_inferred_parts(Format::BINARY32, 1, false).expect("a unit").remove(0);
+        let unit = raypath_float::mul(Format::BINARY32, Product::Inferred, false).expect("a unit");
         assert_eq!(multipliers(&unit), 4);
         let m = Builder::new("two");
         let [a, b] = ["a_i", "b_i"].map(|name| m.input(name, 33));

@@ -78,7 +78,7 @@ fn the_simulated_shell_answers_as_the_model() {
     let configs = [
         small(),
         small().lanes(Lanes::Two).io(Encoding::Recoded).tag(9).control(Control::Credit),
-        Config::DEFAULT.lanes(Lanes::None).io(Encoding::Recoded).unit_latency(UnitLatency::Two),
+        Config::DEFAULT.lanes(Lanes::None).io(Encoding::Recoded).unit_latency(UnitLatency::TWO),
     ];
     for config in configs {
         for width in [StreamWidth::Eight, StreamWidth::ThirtyTwo] {

@@ -1,6 +1,6 @@
 //! Synthesis of units, and the whole flow on something small.
 
-use raypath_float::Format;
+use raypath_float::{Format, Product};
 use raypath_fpga::{Device, Flow, Shell, StreamWidth, Target};
 use raypath_hdl::{Builder, Module, verilog};
 use raypath_tools::{Nextpnr, ToolError, Yosys, temporary_folder, write};
@@ -24,9 +24,9 @@ fn cells(module: &Arc<Module>, kind: &str) -> u64 {
 /// The product of 24 bits takes four multipliers of 18 bits with `*`, and none without.
 #[test]
 fn inferred_multipliers_are_those_of_the_device() {
-    let inferred = raypath_float::mul_inferred_parts(Format::BINARY32, 1, false).expect("a unit").remove(0);
+    let inferred = raypath_float::mul(Format::BINARY32, Product::Inferred, false).expect("a unit");
     assert_eq!(cells(&inferred, "MULT18X18D"), 4);
-    let booth = raypath_float::mul(Format::BFLOAT16).expect("a unit");
+    let booth = raypath_float::mul(Format::BFLOAT16, Product::Booth, false).expect("a unit");
     assert_eq!(cells(&booth, "MULT18X18D"), 0);
 }
 

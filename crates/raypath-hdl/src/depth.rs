@@ -79,6 +79,82 @@ fn loads(graph: &Graph, order: &[SignalId], ends: &[SignalId]) -> Vec<u64> {
     loads
 }
 
+/// The [loads](longest_path) of the signals of a module without instances.
+pub(crate) fn loads_of(module: &Arc<Module>) -> Vec<u64> {
+    let graph = Graph::new(module, |_, _| false);
+    let ends: Vec<SignalId> = module.outputs().iter().map(|port| port.signal).collect();
+    let order = graph.order(std::iter::empty()).unwrap_or_default();
+    loads(&graph, &order, &ends)
+}
+
+/// What operators become, for a model of their delays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Technology {
+    /// Gates of two inputs, with a tree of buffers where a signal drives many; the unit is the delay of a gate.
+    Gates,
+    /// Lookup tables of four inputs, carry chains and multipliers of an FPGA; the unit is the delay of a table with the
+    /// wire to it.
+    Luts,
+}
+
+impl Technology {
+    /// Whether products have multipliers with registers of their own.
+    pub(crate) fn has_multipliers(self) -> bool {
+        self == Self::Luts
+    }
+
+    /// The delay of an operator with operands of these widths, whose result has `width` bits that drive `load` bits
+    /// each.
+    pub fn delay(self, driver: &Driver, operands: &[u32], width: u32, load: u64) -> f64 {
+        match self {
+            Self::Gates => gates(driver, operands, width, load),
+            Self::Luts => luts(driver, operands, width, load),
+        }
+    }
+}
+
+fn gates(driver: &Driver, operands: &[u32], width: u32, load: u64) -> f64 {
+    let levels = |count: u32| f64::from(count.max(1)).log2();
+    let operand = operands.first().copied().unwrap_or(1);
+    let own = match driver {
+        Driver::And(..) | Driver::Or(..) => 1.0,
+        Driver::Not(_) => 0.5,
+        Driver::Xor(..) | Driver::Mux { .. } => 1.6,
+        Driver::Case { arms, .. } => 1.6 * (1.0 + levels(arms.len() as u32)),
+        Driver::Add(..) | Driver::Sub(..) => 3.0 + 1.4 * levels(width),
+        Driver::Mul(..) => 3.0 + 4.0 * levels(width),
+        Driver::Equal(..) => 1.6 + levels(operand),
+        Driver::Less(..) => 2.0 + 1.4 * levels(operand),
+        Driver::Any(_) | Driver::All(_) => levels(operand),
+        Driver::ShiftLeft(..) | Driver::ShiftRight(..) => 1.6 * f64::from(operands.get(1).copied().unwrap_or(1).min(6)),
+        _ => 0.0,
+    };
+    // A tree of buffers, four loads each.
+    own + 0.5 * (load.max(1) as f64).log2()
+}
+
+/// Synthesis puts about two operators of two inputs into a table.
+fn luts(driver: &Driver, operands: &[u32], width: u32, load: u64) -> f64 {
+    let inputs = |count: u32| f64::from(count.max(2)).log2() / 2.0;
+    let chain = |bits: u32| 0.9 + 0.03 * f64::from(bits);
+    let operand = operands.first().copied().unwrap_or(1);
+    let own = match driver {
+        Driver::Not(_) => 0.0,
+        Driver::And(..) | Driver::Or(..) | Driver::Xor(..) => 0.5,
+        Driver::Mux { .. } => 0.75,
+        Driver::Case { arms, .. } => inputs(2 * arms.len() as u32) + 0.5,
+        Driver::Add(..) | Driver::Sub(..) => chain(width),
+        Driver::Mul(..) => 3.0,
+        Driver::Equal(..) => inputs(2 * operand),
+        Driver::Less(..) => chain(operand),
+        Driver::Any(_) | Driver::All(_) => inputs(operand),
+        Driver::ShiftLeft(..) | Driver::ShiftRight(..) => f64::from(operands.get(1).copied().unwrap_or(1).min(6)),
+        _ => 0.0,
+    };
+    // Longer wires.
+    if own > 0.0 { own + 0.05 * (load.max(1) as f64).log2() } else { own }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -26,6 +26,7 @@
 
 mod builder;
 mod depth;
+mod divide;
 mod error;
 mod expand;
 mod expose;
@@ -50,7 +51,8 @@ pub mod wave;
 
 pub use builder::memory::Memory;
 pub use builder::{Builder, Forward, Register, Wire};
-pub use depth::longest_path;
+pub use depth::{Technology, longest_path};
+pub use divide::{divide, shortest_period};
 pub use error::Error;
 pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
 pub use expose::{expose_memories, expose_registers, with_enables};

@@ -17,12 +17,21 @@ pub struct Credits {
     capacity: usize,
 }
 
-/// The control of one accumulator loop, which spaces jobs of its operation at the input.
+/// What spaces jobs at the input: an accumulator loop those of its operation, a folded pipeline all.
 #[derive(Debug, Clone)]
 struct Gate {
-    around: Loop,
-    /// A register: the number of cycles in which no job of the operation may enter.
+    /// The operation; `None`: all.
+    opcode: Option<u64>,
+    /// The number of cycles after a job in which no other one may enter.
+    cycles: u64,
+    /// A register: the number of those that are left.
     closed_for: u64,
+}
+
+impl Gate {
+    fn is_for(&self, opcode: u64) -> bool {
+        self.opcode.is_none_or(|own| own == opcode)
+    }
 }
 
 crate::state! {
@@ -32,14 +41,17 @@ crate::state! {
 
 impl Credits {
     pub fn new(shape: &Shape) -> Self {
-        let gates = shape.loops().map(|around| Gate { around, closed_for: 0 }).collect();
+        let gate = |opcode, cycles| Gate { opcode, cycles: cycles as u64, closed_for: 0 };
+        let loops = shape.loops().map(|Loop { opcode, first, last }| gate(Some(opcode), last - first));
+        let all = shape.is_folded().then(|| gate(None, shape.spacing() - 1));
+        let gates = loops.chain(all).collect();
         let (capacity, exit) = (shape.capacity(), 1 << (shape.length() - 1));
         Self { credits: capacity, moving: 0, exit, arrived: 0, gates, capacity }
     }
 
     #[inline]
     pub fn input_ready(&self, opcode: u64) -> bool {
-        self.credits > 0 && !self.gates.iter().any(|gate| gate.around.opcode == opcode && gate.closed_for > 0)
+        self.credits > 0 && !self.gates.iter().any(|gate| gate.is_for(opcode) && gate.closed_for > 0)
     }
 
     #[inline]
@@ -55,9 +67,9 @@ impl Credits {
         self.moving = moved & !self.exit;
         self.arrived = self.arrived + usize::from(arrives) - usize::from(taken);
         self.credits = self.credits + usize::from(taken) - usize::from(entering.is_some());
-        for Gate { around, closed_for } in &mut self.gates {
-            let closes = entering == Some(around.opcode);
-            *closed_for = if closes { (around.last - around.first) as u64 } else { closed_for.saturating_sub(1) };
+        for gate in &mut self.gates {
+            let closes = entering.is_some_and(|opcode| gate.is_for(opcode));
+            gate.closed_for = if closes { gate.cycles } else { gate.closed_for.saturating_sub(1) };
         }
     }
 

@@ -39,7 +39,7 @@ impl Flow {
     /// An empty pipeline.
     pub fn new(shape: &Shape) -> Self {
         Self(match shape.control {
-            _ if shape.is_folded() => Kind::Folded(Folded::new(shape)),
+            Control::Skid if shape.is_folded() => Kind::Folded(Folded::new(shape)),
             Control::Skid => Kind::Skid(SkidBuffers::new(shape)),
             Control::Credit => Kind::Credit(Credits::new(shape)),
         })

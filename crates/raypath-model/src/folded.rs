@@ -1,7 +1,8 @@
-//! A folded pipeline: jobs at least an interval apart, each of which takes several cycles in a stage.
+//! A folded pipeline whose jobs may have to wait: they are at least an interval apart, and each takes several cycles in a
+//! stage. While the exit is full, which holds two, jobs wait at positions that are an interval apart, the last one among
+//! them. Of one with credits, [`Credits`](crate::credit::Credits) is the control.
 
-use crate::shape::{Control, Occupancy, PipelinePosition, Shape, highest};
-use crate::{State, StateWords};
+use crate::shape::{Occupancy, PipelinePosition, Shape, highest};
 
 /// The control of a folded pipeline. Jobs move from position 0 to the last position, and then to the exit, which shows
 /// the oldest job to the sink.
@@ -17,59 +18,24 @@ pub struct Folded {
     at: Occupancy,
     /// The number of jobs in the exit.
     arrived: usize,
-    admission: Admission,
 }
 
-/// What limits the jobs inside.
-#[derive(Debug, Clone)]
-enum Admission {
-    /// The exit holds two jobs. While it is full, jobs wait at positions that are an interval apart, the last one among
-    /// them.
-    Elastic,
-    /// The exit has a place for every job.
-    Credits {
-        /// The number of jobs that may be inside.
-        capacity: usize,
-        /// The number of cycles in which no job may enter, because another one has entered.
-        closed_for: u64,
-    },
-}
-
-crate::state! { Folded { at, arrived, admission } }
-
-impl State for Admission {
-    fn pass(&mut self, words: &mut StateWords<'_>) {
-        if let Self::Credits { closed_for, .. } = self {
-            closed_for.pass(words);
-        }
-    }
-}
+crate::state! { Folded { at, arrived } }
 
 /// The jobs that the exit of an elastic pipeline holds.
 const EXIT_PLACES: usize = 2;
 
 impl Folded {
     pub fn new(shape: &Shape) -> Self {
-        let admission = match shape.control {
-            Control::Skid => Admission::Elastic,
-            Control::Credit => Admission::Credits { capacity: shape.capacity(), closed_for: 0 },
-        };
         let last = 1 << (shape.length() - 2);
-        Self { interval: shape.spacing() as u32, last, at: 0, arrived: 0, admission }
+        Self { interval: shape.spacing() as u32, last, at: 0, arrived: 0 }
     }
 
     #[inline]
     pub fn input_ready(&self) -> bool {
-        match self.admission {
-            Admission::Elastic => {
-                let near = (1 << (self.interval - 1)) - 1;
-                // A job at the position behind those must move.
-                self.at & near == 0 && self.waiting() & (near + 1) == 0
-            }
-            Admission::Credits { capacity, closed_for } => {
-                closed_for == 0 && self.at.count_ones() as usize + self.arrived < capacity
-            }
-        }
+        let near = (1 << (self.interval - 1)) - 1;
+        // A job at the position behind those must move.
+        self.at & near == 0 && self.waiting() & (near + 1) == 0
     }
 
     #[inline]
@@ -84,15 +50,12 @@ impl Folded {
         let moving = self.at & !waiting;
         self.arrived = self.arrived + usize::from(moving & self.last != 0) - usize::from(taken);
         self.at = waiting | ((moving & !self.last) << 1) | Occupancy::from(entering);
-        if let Admission::Credits { closed_for, .. } = &mut self.admission {
-            *closed_for = if entering { u64::from(self.interval) - 1 } else { closed_for.saturating_sub(1) };
-        }
     }
 
     /// The jobs that do not move in this cycle.
     #[inline]
     fn waiting(&self) -> Occupancy {
-        if matches!(self.admission, Admission::Credits { .. }) || self.arrived < EXIT_PLACES {
+        if self.arrived < EXIT_PLACES {
             return 0;
         }
         let mut waiting = self.at & self.last;
@@ -120,9 +83,6 @@ impl Folded {
         let exit = self.last << 1;
         self.arrived = usize::from(moved & exit != 0);
         self.at = moved & !exit;
-        if let Admission::Credits { closed_for, .. } = &mut self.admission {
-            *closed_for = closed_for.saturating_sub(steps);
-        }
         steps
     }
 
@@ -136,8 +96,5 @@ impl Folded {
 
     pub fn reset(&mut self) {
         (self.at, self.arrived) = (0, 0);
-        if let Admission::Credits { closed_for, .. } = &mut self.admission {
-            *closed_for = 0;
-        }
     }
 }

@@ -34,7 +34,7 @@ fn all_features_in_verilator() {
 #[ignore = "run by ./test.sh --long"]
 fn all_features_with_credits_and_units_of_two_steps() {
     let config = Config::DEFAULT.features(ALL).lanes(Lanes::Two);
-    in_verilator(config.control(Control::Credit).unit_latency(UnitLatency::Two));
+    in_verilator(config.control(Control::Credit).unit_latency(UnitLatency::TWO));
 }
 
 fn in_verilator(config: Config) {

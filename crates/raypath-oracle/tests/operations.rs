@@ -38,8 +38,8 @@ fn the_netlist_agrees_with_the_models_in_several_configurations() {
     let default = Config::DEFAULT;
     let configurations = [
         default,
-        default.control(Control::Credit).unit_latency(UnitLatency::Two),
-        default.unit_latency(UnitLatency::Three),
+        default.control(Control::Credit).unit_latency(UnitLatency::TWO),
+        default.unit_latency(UnitLatency::THREE),
         default.io(Encoding::Recoded).registers(Encoding::Ieee).sharing(Sharing::Segregated),
         default.format(raypath_float::Format::BINARY16),
     ];

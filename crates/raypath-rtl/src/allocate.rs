@@ -3,6 +3,7 @@
 mod affinity;
 mod alike;
 mod binding;
+pub mod delays;
 mod lanes;
 pub mod layout;
 pub mod plan;

@@ -86,7 +86,7 @@ impl DatapathNetlist {
     pub fn build(operations: Operations, microarchitecture: Microarchitecture) -> Result<Self, Error> {
         let Operations { format, exception_flags: with_flags, .. } = operations;
         let (staged, stages) = operations.staged(microarchitecture)?;
-        let (operations, labels) = schedule::expand(&staged, microarchitecture.unit_latency.steps(), stages);
+        let (operations, labels) = schedule::expand(&staged, microarchitecture.unit_latency, stages);
         let plan = Plan::new(operations, labels, format, microarchitecture)?;
         let library = Library::new(&plan, with_flags)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
@@ -127,13 +127,13 @@ impl DatapathNetlist {
     /// The operations whose jobs may not follow each other directly, because their state passes through a unit of
     /// several steps.
     pub fn loops(&self) -> Vec<StateLoop> {
-        let loops = self.plan.operations.iter().filter(|graph| graph.is_loop());
+        let loops = self.plan.operations.iter().enumerate().filter(|(_, graph)| graph.is_loop());
         loops
-            .map(|graph| StateLoop {
+            .map(|(op, graph)| StateLoop {
                 operation: graph.name,
                 opcode: graph.opcode,
                 first: graph.first_read().0,
-                last: graph.last_write().0,
+                last: graph.first_read().0 + self.plan.spacing(op),
             })
             .collect()
     }

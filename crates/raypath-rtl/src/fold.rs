@@ -12,4 +12,4 @@ mod rounds;
 mod search;
 
 pub use lives::{Life, Rounds};
-pub use search::plan;
+pub use search::{MAX_ELASTIC_POSITIONS, MAX_POSITIONS, plan};

@@ -169,8 +169,8 @@ fn answers_are_those_of_the_operations() {
     let default = Config::DEFAULT;
     let configs = [
         (default, 4000),
-        (default.unit_latency(UnitLatency::Two), 500),
-        (default.control(Control::Credit).unit_latency(UnitLatency::Three), 500),
+        (default.unit_latency(UnitLatency::TWO), 500),
+        (default.control(Control::Credit).unit_latency(UnitLatency::THREE), 500),
         (default.sharing(Sharing::Segregated), 500),
     ];
     let mut seen: BTreeMap<String, BTreeSet<u64>> = BTreeMap::new();
@@ -273,7 +273,7 @@ operation!(Filter = "filter", |c, input, state| {
 
 #[test]
 fn state_is_read_where_it_is_written() {
-    for unit_latency in UnitLatency::ALL.iter().copied() {
+    for unit_latency in UnitLatency::REPRESENTATIVES {
         run(Filter, Config::DEFAULT.unit_latency(unit_latency));
     }
 }

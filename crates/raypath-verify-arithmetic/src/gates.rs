@@ -44,8 +44,8 @@ fn configs() -> [Config; 4] {
     [
         graphics.format(Format::BINARY16),
         graphics,
-        graphics.unit_latency(UnitLatency::Two),
-        graphics.unit_latency(UnitLatency::Three),
+        graphics.unit_latency(UnitLatency::TWO),
+        graphics.unit_latency(UnitLatency::THREE),
     ]
 }
 

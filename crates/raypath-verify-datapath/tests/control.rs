@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 static GO: AtomicBool = AtomicBool::new(false);
 
 fn config(control: Control) -> Config {
-    Config::DEFAULT.control(control).lanes(Lanes::Two).unit_latency(UnitLatency::Two)
+    Config::DEFAULT.control(control).lanes(Lanes::Two).unit_latency(UnitLatency::TWO)
 }
 
 /// The result of the problem whose name begins with `name`, of a design with a fault.
@@ -26,7 +26,7 @@ fn result(config: Config, name: &str, fault: TextFault) -> Option<CheckResult> {
 #[test]
 fn faults_are_found() {
     let (skid, credit) = (config(Control::Skid), config(Control::Credit));
-    let one = credit.unit_latency(UnitLatency::One);
+    let one = credit.unit_latency(UnitLatency::ONE);
     let folded = |control| Config::DEFAULT.control(control).lanes(Lanes::None).interval(Interval::Four);
     let (folded_skid, folded_credit) = (folded(Control::Skid), folded(Control::Credit));
     for (config, problem, module, from, to) in [

@@ -38,7 +38,7 @@ fn presets_by_name_and_parameter_by_parameter() {
 #[test]
 fn a_file_overrides_its_preset_in_any_order() {
     let expected = PRESETS.iter().find(|preset| preset.name == "compact").expect("compact").config;
-    let expected = expected.lanes(Lanes::Four).unit_latency(UnitLatency::Three);
+    let expected = expected.lanes(Lanes::Four).unit_latency(UnitLatency::THREE);
     assert_eq!(parse("lanes = 4 # a comment\npreset = \"compact\"\n\nunit-latency = '3'\n"), Ok(expected));
     assert_eq!(parse(""), Ok(Config::DEFAULT));
 }

@@ -76,9 +76,9 @@ fn netlists_of_other_microarchitectures_answer_as_the_original() {
     let configs = [
         CHISEL.io(Encoding::Recoded).registers(Encoding::Ieee).sharing(Sharing::Segregated),
         CHISEL.registers(Encoding::Ieee).control(Control::Credit),
-        CHISEL.unit_latency(UnitLatency::Two),
-        CHISEL.unit_latency(UnitLatency::Three).control(Control::Credit),
-        CHISEL.unit_latency(UnitLatency::Two).multiplier(Multiplier::Inferred),
+        CHISEL.unit_latency(UnitLatency::TWO),
+        CHISEL.unit_latency(UnitLatency::THREE).control(Control::Credit),
+        CHISEL.unit_latency(UnitLatency::TWO).multiplier(Multiplier::Inferred),
     ];
     for config in configs {
         let mut engine = NetlistEngine::new(model(), config, |_| false).expect("a datapath");

@@ -21,7 +21,7 @@ pub const REPRESENTATIVES: [Config; 8] = [
         .lanes(Lanes::Four)
         .io(Encoding::Recoded)
         .sharing(Sharing::Segregated)
-        .unit_latency(UnitLatency::Two)
+        .unit_latency(UnitLatency::TWO)
         .clock_gating(true),
     DEFAULT
         .lanes(Lanes::Eight)
@@ -30,7 +30,7 @@ pub const REPRESENTATIVES: [Config; 8] = [
         .format(Format::TF32)
         .control(Control::Credit)
         .units(UnitSharing::Disjoint)
-        .unit_latency(UnitLatency::Three)
+        .unit_latency(UnitLatency::THREE)
         .multiplier(Multiplier::Inferred),
     DEFAULT.lanes(Lanes::ThirtyTwo).format(Format::BFLOAT16).control(Control::Credit).interval(Interval::Two),
     DEFAULT.lanes(Lanes::SixtyFour).format(Format::BINARY16).interval(Interval::Four),
@@ -40,7 +40,7 @@ pub const REPRESENTATIVES: [Config; 8] = [
         .rules(Rules::Bounds(BoxBits::DEFAULT))
         .box_bits(BoxBits(9))
         .control(Control::Credit)
-        .unit_latency(UnitLatency::Two),
+        .unit_latency(UnitLatency::TWO),
     DEFAULT
         .lanes(Lanes::Eight)
         .rounding(Rounding::Sum)

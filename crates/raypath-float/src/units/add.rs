@@ -16,32 +16,29 @@ use crate::units::align::shift_right_sticky;
 use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::normalise::Normalised;
-use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
-use raypath_hdl::{Error, Module};
+use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
 /// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, except that -0 + -0 is
-/// -0.
-pub fn add(format: Format) -> Result<Arc<Module>, Error> {
-    Ok(add_parts(format, 1, false)?.remove(0))
+/// -0. With `with_flags` it is `raypath_fp_add_flags_<format>`, and has a second output, `flags_o`: the exceptions of
+/// [`flags`](crate::flags) that the sum raises.
+pub fn add(format: Format, with_flags: bool) -> Result<Arc<Module>, Error> {
+    let m = flags::unit("add", "Sum of two recoded numbers", format, with_flags);
+    describe(format, &m, with_flags, false);
+    m.finish()
 }
 
-/// The adder in 1, 2 or 3 parts, in the order of computation. Connected, they compute the same as the module of
-/// [`add`]: output port `x_o` of a part drives input port `x_i` of the next. With `with_flags`, the last part has a
-/// second output, `flags_o`: the exceptions of [`flags`](crate::flags) that the sum raises.
-///
-/// # Errors
-/// Another number of parts.
-pub fn add_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
-    Parts::build("add", "Sum of two recoded numbers", format, with_flags, parts, |parts| {
-        describe(format, parts, with_flags)
-    })
+/// The adder of [`add`], to be [divided](raypath_hdl::divide()). It completes the sum without a carry into the last
+/// place before it rounds, which takes longer, but leaves fewer bits to pass on.
+pub fn add_to_divide(format: Format, with_flags: bool) -> Result<Arc<Module>, Error> {
+    let m = flags::unit("add", "Sum of two recoded numbers", format, with_flags);
+    describe(format, &m, with_flags, true);
+    m.finish()
 }
 
-fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
+fn describe(format: Format, m: &Builder, with_flags: bool, completes: bool) {
     let (e, s) = (format.exponent(), format.significand());
-    let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
     let b_i = m.input("b_i", format.recoded_width());
     let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(format, b_i));
@@ -61,10 +58,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let both_zero = (a.is_zero() & b.is_zero()).named("both_zero");
     let nan_or_zero = (nan | both_zero).named("nan_or_zero");
 
-    if with_flags {
-        let infinite = a.is_infinite() & b.is_infinite();
-        parts.take_along("invalid", (infinite & subtract).named("invalid"));
-    }
+    let invalid = with_flags.then(|| (a.is_infinite() & b.is_infinite() & subtract).named("invalid"));
 
     m.section("Align; guard, round and sticky bit on the right");
     // The distance of swapped operands is the complement plus one. The wiring of `swapped` adds the one.
@@ -75,24 +69,21 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let smaller =
         shift_right_sticky(unaligned, distance, (a.is_zero() | b.is_zero()).named("either_zero")).named("smaller");
 
-    cut!(parts, [(1, 3)], exponent, fraction, sign, subtract, special, nan_or_zero, smaller);
-    let m = parts.builder();
-
     m.section("Add, for now without a carry into the last place");
     // A difference is the complement of the sum of the larger one's complement and the smaller one.
     let augend = (m.concat(&[m.constant(1, 1), fraction]) ^ subtract.replicate(s)).named("augend");
     let addend = smaller.upper(s).named("addend");
-    let propagate = (augend ^ addend).extend(s + 1).named("propagate");
-    let carries = ((augend.extend(s + 1) + addend.extend(s + 1)) ^ propagate).named("carries");
-    let (tail, without_carry) = (smaller.lower(3), propagate ^ carries);
-    cut!(parts, [(1, 2)], exponent, sign, subtract, special, nan_or_zero, without_carry, tail);
-    let m = parts.builder();
-    // A register between holds the sum without that carry; its carries are spent.
-    let (propagate, carries) =
-        if parts.count() == 2 { (without_carry, m.constant(s + 1, 0)) } else { (propagate, carries) };
+    let propagate = (augend ^ addend).extend(s + 1);
+    let propagate = if completes { propagate } else { propagate.named("propagate") };
+    let sum = augend.extend(s + 1) + addend.extend(s + 1);
+    let (propagate, carries) = match completes {
+        true => (sum.named("without_carry"), m.constant(s + 1, 0)),
+        false => (propagate, (sum ^ propagate).named("carries")),
+    };
+    let tail = smaller.lower(3).named("tail");
 
     m.section("Round");
-    let reach = (propagate ^ (propagate + m.constant(s + 1, 1))).named("reach");
+    let reach = (propagate ^ (propagate + m.constant(s + 1, 1)).hint("plus_one")).named("reach");
     let carry_out = (propagate.top() ^ carries.top()).named("carry_out");
     let [guard, round, sticky] = [2, 1, 0].map(|place| tail.bit(place));
     let below_guard = (round | sticky).named("below_guard");
@@ -118,20 +109,15 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
 
     let overflow =
         (carried & exponent.equals(m.parameter("MaxExp", e + 1, Constants(format).max_finite()))).named("overflow");
-    if with_flags {
+    let inexact_sum = with_flags.then(|| {
         // Bits that the normalising shift moves into the result are not lost; bits that it moves out are.
         let lost = carry_out.mux(inexact | (last & !subtract), below_one.mux(below_guard, inexact));
-        let inexact = ((lost & !special & !nan_or_zero) | overflow).named("inexact_sum");
-        parts.take_along("overflow", overflow);
-        parts.take_along("inexact", inexact);
-    }
+        ((lost & !special & !nan_or_zero) | overflow).named("inexact_sum")
+    });
     let cancelled = (subtract & reach.top() & !inexact).named("cancelled");
     let special = (special | overflow).named("special_sum");
     let sign = ((sign ^ (subtract & carry_out)) & !((cancelled | nan_or_zero) & subtract)).named("sum_sign");
     let nan_or_zero = (nan_or_zero | cancelled).named("nan_or_zero_sum");
-
-    cut!(parts, [(2, 3)], exponent, sum, sign, special, nan_or_zero);
-    let m = parts.builder();
 
     m.section("Normalise");
     let normalised = Normalised::of(sum);
@@ -148,7 +134,6 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     m.output("sum_o", m.concat(&[sign & !nan, exponent, fraction.named("result_fraction")]));
     if with_flags {
         // A sum below the normal range is exact.
-        let [invalid, overflow, inexact] = ["invalid", "overflow", "inexact"].map(|stem| parts.along(stem));
-        flags::output(m, [invalid, overflow, None, inexact]);
+        flags::output(m, [invalid, Some(overflow), None, inexact_sum]);
     }
 }

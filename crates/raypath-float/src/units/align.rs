@@ -21,7 +21,7 @@ pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wir
             0 => (word & (!select & !vanishes).replicate(width)) | (shifted & (select & !vanishes).replicate(width)),
             _ => select.mux(shifted, word),
         };
-        let lost_here = lost | (select & word.lower(step).any());
+        let lost_here = lost | (select & word.lower(step).any()).hint(&format!("lost_by_{step}"));
         word = aligned.named(&format!("aligned_{step}"));
         lost = lost_here.named(&format!("lost_{step}"));
     }

@@ -31,13 +31,15 @@ pub fn sqrt(format: Format) -> Result<Arc<Module>, Error> {
 /// and roots of negative numbers are NaN; the root of -0 is -0.
 impl DivSqrt {
     /// The unit in parts, all combinational, in the order of computation, connected as those of
-    /// [`add_parts`](crate::add_parts). The last part rounds, and the others share the digits, of which there are two
+    /// [`divide`](raypath_hdl::divide()). The last part rounds, and the others share the digits, of which there are two
     /// more than the significand has. The output is `result_o`.
     ///
     /// # Errors
     /// No part, or more than the significand's bits plus 3.
     pub fn parts(self, format: Format, count: u32) -> Result<Vec<Arc<Module>>, Error> {
-        Parts::build(self.stem(), self.doc(), format, false, count, |parts| describe(self, format, parts))
+        let (name, doc) =
+            (format!("raypath_fp_{}_{format}", self.stem()), format!("{}, rounded to nearest even.", self.doc()));
+        Parts::build(&name, &doc, count, |parts| describe(self, format, parts))
     }
 
     /// The unit with registers after each of `latency` parts: it takes operands in every cycle, and has their result

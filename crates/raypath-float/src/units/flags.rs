@@ -4,6 +4,7 @@
 //! there is no flag for a division by zero. Tininess is detected *before* rounding, as IEEE 754 allows, and raises
 //! underflow only if the result is also inexact. No NaN is signalling.
 
+use crate::Format;
 use raypath_hdl::{Builder, Wire};
 
 /// The number of flags.
@@ -21,4 +22,13 @@ pub const INVALID: u64 = 8;
 pub(crate) fn output<'m>(m: &'m Builder, flags: [Option<Wire<'m>>; COUNT as usize]) {
     let bits = flags.map(|flag| flag.unwrap_or_else(|| m.constant(1, 0)));
     m.output("flags_o", m.concat(&bits));
+}
+
+/// Begins the module of a unit that rounds `result`: `raypath_fp_<operation>_<format>`, or with flags
+/// `raypath_fp_<operation>_flags_<format>`.
+pub(crate) fn unit(operation: &str, result: &str, format: Format, with_flags: bool) -> Builder {
+    let (in_name, in_doc) = if with_flags { ("_flags", ", and its exceptions") } else { ("", "") };
+    let m = Builder::new(&format!("raypath_fp_{operation}{in_name}_{format}"));
+    m.doc(format!("{result}, rounded to nearest even{in_doc}."));
+    m
 }

@@ -60,7 +60,10 @@ pub(crate) fn add<'m>(a: Wire<'m>, b: Wire<'m>, entering: Option<Wire<'m>>, name
     let zero = m.constant(1, 0);
     let leaving = carries.pop().flatten().unwrap_or(zero);
     let entering: Vec<Wire<'m>> = carries.into_iter().rev().map(|carry| carry.unwrap_or(zero)).collect();
-    Sum { word: (a ^ b) ^ m.concat(&entering).named(&format!("{name}_carries")), carry: leaving }
+    Sum {
+        word: (a ^ b).hint(&format!("{name}_differ")) ^ m.concat(&entering).named(&format!("{name}_carries")),
+        carry: leaving,
+    }
 }
 
 /// A word plus one, modulo two to its width. `name` is the prefix of the signals inside.

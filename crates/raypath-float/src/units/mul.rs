@@ -15,10 +15,9 @@ use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::lookahead;
 use crate::units::narrow::narrowed;
-use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
 use crate::units::round::{Unrounded, mark_lost};
-use raypath_hdl::{Error, Formula, Module, Wire};
+use raypath_hdl::{Builder, Error, Formula, Module, Wire};
 use std::sync::Arc;
 
 /// What is known of a product before the significands are multiplied.
@@ -34,13 +33,36 @@ struct Factors<'m> {
 /// The bits of the output `residue_o`.
 const RESIDUE_BITS: u32 = 26;
 
-/// Multiplies the significands in the remaining parts of a unit.
-type Multiply = for<'m> fn(Format, &mut Parts<'m>, Factors<'m>) -> Product<'m>;
+/// How the text of a multiplier forms the product of significands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Product {
+    /// Booth digits, rows and full adders: gates.
+    Booth,
+    /// The operator `*`, for which synthesis for an FPGA takes multipliers. The modules are named `mul_inferred`.
+    Inferred,
+}
+
+impl Product {
+    fn stem(self) -> &'static str {
+        match self {
+            Self::Booth => "mul",
+            Self::Inferred => "mul_inferred",
+        }
+    }
+
+    /// Multiplies the significands.
+    fn of<'m>(self, format: Format, m: &'m Builder, factors: Factors<'m>) -> Digits<'m> {
+        match self {
+            Self::Booth => booth_product(format, m, factors),
+            Self::Inferred => inferred_product(format, m, factors),
+        }
+    }
+}
 
 /// A product before it is rounded.
-struct Product<'m> {
+struct Digits<'m> {
     unrounded: Unrounded<'m>,
-    /// The digits behind its word, in a unit of one part.
+    /// The digits behind its word.
     low: Wire<'m>,
 }
 
@@ -52,71 +74,41 @@ enum Extra {
     Residue,
 }
 
-impl Extra {
-    fn flags_if(are_present: bool) -> Self {
-        if are_present { Self::Flags } else { Self::None }
-    }
-}
-
-/// The module `raypath_fp_mul_<format>`: `product_o = a_i * b_i`.
-pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
-    Ok(mul_parts(format, 1, false)?.remove(0))
-}
-
-/// The multiplier in 1, 2 or 3 parts, with or without the output `flags_o`, like [`add_parts`](crate::add_parts).
-///
-/// # Errors
-/// Another number of parts.
-pub fn mul_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
-    Parts::build("mul", "Product of two recoded numbers", format, with_flags, parts, |parts| {
-        describe(format, format, parts, Extra::flags_if(with_flags), booth_product)
-    })
+/// The module `raypath_fp_mul_<format>`: `product_o = a_i * b_i`. With `with_flags` it has the output `flags_o`, like
+/// [`add`](crate::add()).
+pub fn mul(format: Format, product: Product, with_flags: bool) -> Result<Arc<Module>, Error> {
+    let m = flags::unit(product.stem(), "Product of two recoded numbers", format, with_flags);
+    describe(format, format, &m, if with_flags { Extra::Flags } else { Extra::None }, product);
+    m.finish()
 }
 
 /// The module `raypath_fp_mul_<format>_by_s<bits>`: the product of a number of `format` and one with a significand of
-/// `bits` bits, whose word has no lower bits of the fraction, which are zeros. Divided like the multiplier of
-/// [`mul_parts`], or with `inferred` like that of [`mul_inferred_parts`].
+/// `bits` bits, whose word has no lower bits of the fraction, which are zeros.
 ///
 /// # Errors
-/// Another number of parts; a significand of less than 3 bits or of more than the format has.
-pub fn mul_by_short_parts(format: Format, bits: u32, parts: u32, inferred: bool) -> Result<Vec<Arc<Module>>, Error> {
-    let (stem, product): (_, Multiply) =
-        if inferred { ("mul_inferred", inferred_product) } else { ("mul", booth_product) };
-    let name = format!("raypath_fp_{stem}_{format}_by_s{bits}");
+/// A significand of less than 3 bits or of more than the format has.
+pub fn mul_by_short(format: Format, bits: u32, product: Product) -> Result<Arc<Module>, Error> {
+    let name = format!("raypath_fp_{}_{format}_by_s{bits}", product.stem());
     let factor = narrowed(format, bits, &name, "b_i")?;
-    let doc = format!("Product of a recoded number and one of {factor}, rounded to nearest even.");
-    Parts::build_module(&name, &doc, parts, |parts| describe(format, factor, parts, Extra::None, product))
+    let m = Builder::new(&name);
+    m.doc(format!("Product of a recoded number and one of {factor}, rounded to nearest even."));
+    describe(format, factor, &m, Extra::None, product);
+    m.finish()
 }
 
-/// The multiplier of [`mul_parts`] whose text multiplies significands with the operator `*`, so that synthesis for an
-/// FPGA takes its multipliers. The modules are named `raypath_fp_mul_inferred_<format>` and so on. In two parts, the
-/// product enters registers as it leaves `*`; in three, its factors leave registers too. Where these registers have
-/// neither reset nor enable, they can be those of the FPGA's multipliers.
-///
-/// # Errors
-/// Another number of parts.
-pub fn mul_inferred_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
-    Parts::build("mul_inferred", "Product of two recoded numbers", format, with_flags, parts, |parts| {
-        describe(format, format, parts, Extra::flags_if(with_flags), inferred_product)
-    })
+/// The module `raypath_fp_mul_residue_<format>`: the multiplier of [`mul`] with the output `residue_o`. Its 26 bits,
+/// from the highest on: the product is not 0 and below the normal range; it is rounded down; the digits that rounding
+/// takes, then zeros. Of products that are equal after rounding, the one of the greater magnitude has the greater
+/// residue. Zeros have the residue 0.
+pub fn mul_with_residue(format: Format, product: Product) -> Result<Arc<Module>, Error> {
+    let m = Builder::new(&format!("raypath_fp_{}_residue_{format}", product.stem()));
+    m.doc("Product of two recoded numbers, rounded to nearest even, and what rounding takes.");
+    describe(format, format, &m, Extra::Residue, product);
+    m.finish()
 }
 
-/// The module `raypath_fp_mul_residue_<format>`: the multiplier of [`mul`], or with `inferred` that of
-/// [`mul_inferred_parts`], with the output `residue_o`. Its 26 bits, from the highest on: the product is not 0 and below
-/// the normal range; it is rounded down; the digits that rounding takes, then zeros. Of products that are equal after
-/// rounding, the one of the greater magnitude has the greater residue. Zeros have the residue 0.
-pub fn mul_with_residue(format: Format, inferred: bool) -> Result<Arc<Module>, Error> {
-    let (stem, product): (_, Multiply) =
-        if inferred { ("mul_inferred", inferred_product) } else { ("mul", booth_product) };
-    let name = format!("raypath_fp_{stem}_residue_{format}");
-    let doc = "Product of two recoded numbers, rounded to nearest even, and what rounding takes.";
-    let describe = |parts: &mut Parts<'_>| describe(format, format, parts, Extra::Residue, product);
-    Ok(Parts::build_module(&name, doc, 1, describe)?.remove(0))
-}
-
-fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, extra: Extra, multiply: Multiply) {
+fn describe(format: Format, factor: Format, m: &Builder, extra: Extra, product: Product) {
     let e = format.exponent();
-    let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
     let b_i = m.input("b_i", factor.recoded_width());
     let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(factor, b_i));
@@ -130,27 +122,28 @@ fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, extra: Extra,
     let vanishes = exponent_sum.less(m.parameter("MinExpSum", e + 2, least_sum)).named("vanishes");
     let overflow_sum = Formula::from(5) << (constants.exp_bits() - 1);
     let overflows = (!exponent_sum.less(m.parameter("InfiniteExpSum", e + 2, overflow_sum))).named("overflows");
-    let zero_times_infinity = (a.is_zero() & b.is_infinite()) | (a.is_infinite() & b.is_zero());
+    let infinite = [(a, "a_infinite"), (b, "b_infinite")].map(|(x, name)| x.is_infinite().hint(name));
+    let zero = [(a, "a_zero"), (b, "b_zero")].map(|(x, name)| x.is_zero().hint(name));
+    let zero_times_infinity = (zero[0] & infinite[1]) | (infinite[0] & zero[1]);
     let nan = (a.is_nan() | b.is_nan() | zero_times_infinity).named("nan");
-    let special = (nan | a.is_infinite() | b.is_infinite() | overflows).named("special");
-    let settled = (special | a.is_zero() | b.is_zero() | vanishes).named("settled");
+    let special = (nan | infinite[0] | infinite[1] | overflows).named("special");
+    let settled = (special | zero[0] | zero[1] | vanishes).named("settled");
     let class = m.concat(&[special, special, nan, m.constant(e - 2, 0)]);
-    let biased = exponent_sum.lower(e + 1) - m.parameter("Bias", e + 1, bias);
+    let biased = (exponent_sum.lower(e + 1) - m.parameter("Bias", e + 1, bias)).hint("biased");
     let exponent = settled.mux(class, biased).named("exponent");
-    let sign = ((a_i.top() ^ b_i.top()) & !nan).named("sign");
+    let sign = ((a_i.top() ^ b_i.top()).hint("signs_differ") & !nan).named("sign");
 
-    if extra == Extra::Flags {
-        parts.take_along("invalid", zero_times_infinity.named("invalid"));
+    let invalid = (extra == Extra::Flags).then(|| {
         let special = a.exponent().upper(2).all() | b.exponent().upper(2).all();
-        parts.take_along("ordinary", (!special & !a.is_zero() & !b.is_zero()).named("ordinary"));
-    }
+        let invalid = zero_times_infinity.named("invalid");
+        (invalid, (!special & !a.is_zero() & !b.is_zero()).named("ordinary"))
+    });
 
     let nonzero = !special & !a.is_zero() & !b.is_zero();
     let factors = Factors { multiplicand: a, multiplier: b, exponent, settled, sign };
-    let Product { unrounded, low } = multiply(format, parts, factors);
+    let Digits { unrounded, low } = product.of(format, m, factors);
     let (word, is_settled) = (unrounded.word, unrounded.settled);
     let rounded = unrounded.round();
-    let m = parts.builder();
     m.output("product_o", rounded.number);
     if extra == Extra::Residue {
         m.section("What rounding takes");
@@ -168,10 +161,8 @@ fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, extra: Extra,
         let residue = m.concat(&[tiny, key]);
         m.output("residue_o", if below > 0 { m.concat(&[residue, m.constant(below, 0)]) } else { residue });
     }
-    if extra == Extra::Flags {
+    if let Some((invalid, ordinary)) = invalid {
         m.section("Exceptions");
-        let absent = m.constant(1, 0);
-        let [invalid, ordinary] = ["invalid", "ordinary"].map(|stem| parts.along(stem).unwrap_or(absent));
         let overflow = (ordinary & rounded.exponent.upper(2).all()).named("overflow");
         let inexact = (overflow | (ordinary & rounded.is_inexact())).named("inexact");
         let underflow = (inexact & rounded.is_tiny() & !overflow).named("underflow");
@@ -179,23 +170,18 @@ fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, extra: Extra,
     }
 }
 
-fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Product<'m> {
+fn booth_product<'m>(format: Format, m: &'m Builder, factors: Factors<'m>) -> Digits<'m> {
     let s = format.significand();
     let Factors { exponent, settled, sign, .. } = factors;
-    let m = parts.builder();
     // The bits of the multiplier, hidden bit included.
     let n = factors.multiplier.fraction().width() + 1;
     m.section("Multiples");
     let multiplicand = m.concat(&[m.constant(1, 1), factors.multiplicand.fraction()]).named("multiplicand");
     let triple_above = booth::triple_above(multiplicand).named("triple_above");
-    let (multiplicand, multiplier) = (multiplicand.lower(s - 1), factors.multiplier.fraction());
-    cut!(parts, [(1, 3)], multiplicand, triple_above, multiplier, exponent, settled, sign);
-    let m = parts.builder();
-    let multiplicand = m.concat(&[m.constant(1, 1), multiplicand]).named("factor");
     let triple = m.concat(&[triple_above, multiplicand.bit(0)]);
 
     m.section("Multiply");
-    let mut rows = booth::rows(multiplicand, triple, multiplier, s + n);
+    let mut rows = booth::rows(multiplicand, triple, factors.multiplier.fraction(), s + n);
     // The multiplier's hidden bit.
     rows.push(Row { word: multiplicand, low: n - 1 });
     let rows = compress(rows, s + n);
@@ -205,32 +191,24 @@ fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>
     m.section("Add; the lower columns give a carry and a sticky bit");
     let low = lookahead::add(addend.lower(n - 2), augend.lower(n - 2), None, "low");
     let sticky = low.word.any().named("sticky");
-    let (addend, augend, low_carry) = (addend.upper(s + 2), augend.upper(s + 2), low.carry);
-    cut!(parts, [(1, 2), (2, 3)], addend, augend, low_carry, sticky, exponent, settled, sign);
-    let m = parts.builder();
-    let word = lookahead::add(addend, augend, Some(low_carry), "high");
+    let word = lookahead::add(addend.upper(s + 2), augend.upper(s + 2), Some(low.carry), "high");
     m.unused("unused_carry", &[word.carry]);
     let word = word.word.named("word");
-    Product { unrounded: Unrounded { format, word, sticky, exponent, settled, sign, subnormal: None }, low: low.word }
+    Digits { unrounded: Unrounded { format, word, sticky, exponent, settled, sign, subnormal: None }, low: low.word }
 }
 
-fn inferred_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Product<'m> {
+fn inferred_product<'m>(format: Format, m: &'m Builder, factors: Factors<'m>) -> Digits<'m> {
     let (s, n) = (format.significand(), factors.multiplier.fraction().width() + 1);
     let Factors { exponent, settled, sign, .. } = factors;
-    let (multiplicand, multiplier) = (factors.multiplicand.fraction(), factors.multiplier.fraction());
-    cut!(parts, [(1, 3)], multiplicand, multiplier, exponent, settled, sign);
-    let m = parts.builder();
 
     m.section("Multiply");
     let significand = |fraction| m.concat(&[m.constant(1, 1), fraction]);
-    let factor = significand(multiplicand).named("factor");
-    let whole = (factor * significand(multiplier).named("other_factor")).named("whole");
-    // DSP blocks take longer than the exponent, which has time to mark the bits here.
-    let subnormal = mark_lost(format, exponent, settled);
-    cut!(parts, [(1, 2), (2, 3)], whole, exponent, settled, sign, subnormal);
+    let factor = significand(factors.multiplicand.fraction()).named("factor");
+    let whole = (factor * significand(factors.multiplier.fraction()).named("other_factor")).named("whole");
+    // Multipliers take longer than the exponent, which has time to mark the bits here.
+    let subnormal = Some(mark_lost(format, exponent, settled));
     let word = whole.upper(s + 2).named("word");
     let low = whole.lower(n - 2);
     let sticky = low.any().named("sticky");
-    let subnormal = Some(subnormal);
-    Product { unrounded: Unrounded { format, word, sticky, exponent, settled, sign, subnormal }, low }
+    Digits { unrounded: Unrounded { format, word, sticky, exponent, settled, sign, subnormal }, low }
 }

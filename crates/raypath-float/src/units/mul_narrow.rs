@@ -14,30 +14,29 @@ use crate::units::compress::compress;
 use crate::units::constants::Constants;
 use crate::units::lookahead;
 use crate::units::narrow::{Narrow, narrowed};
-use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
-use raypath_hdl::{Error, Formula, Module};
+use raypath_hdl::{Builder, Error, Formula, Module};
 use std::sync::Arc;
 
 /// The module `raypath_fp_mul_<format>_s<operand>_<rounding>`: the product of two numbers of `format` that have
 /// significands of `operand` bits, rounded to nearest even in `format`, and then as `to` says, without its margin. The
-/// words of operands and product have no lower bits of the fractions, which are zeros. In 1, 2 or 3 parts, like
-/// [`add_parts`](crate::add_parts).
+/// words of operands and product have no lower bits of the fractions, which are zeros.
 ///
 /// # Errors
-/// Another number of parts; a significand of less than 3 bits or of more than the format has, or of the product that
+/// A significand of less than 3 bits or of more than the format has, or of the product that
 /// is longer than that of an operand.
-pub fn mul_narrow_parts(format: Format, operand: u32, to: Narrow, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
+pub fn mul_narrow(format: Format, operand: u32, to: Narrow) -> Result<Arc<Module>, Error> {
     let name = format!("raypath_fp_mul_{format}_s{operand}_{to}");
     let operand = narrowed(format, operand, &name, "a_i")?;
     narrowed(operand, to.bits, &name, "product_o")?;
-    let doc = format!("Product of two recoded numbers of {operand}, rounded {}.", to.direction());
-    Parts::build_module(&name, &doc, parts, |parts| describe(format, operand, to, parts))
+    let m = Builder::new(&name);
+    m.doc(format!("Product of two recoded numbers of {operand}, rounded {}.", to.direction()));
+    describe(format, operand, to, &m);
+    m.finish()
 }
 
-fn describe(format: Format, operand: Format, to: Narrow, parts: &mut Parts<'_>) {
+fn describe(format: Format, operand: Format, to: Narrow, m: &Builder) {
     let (e, s, n, kept_bits) = (format.exponent(), format.significand(), operand.significand(), to.bits);
-    let m = parts.builder();
     let a_i = m.input("a_i", operand.recoded_width());
     let b_i = m.input("b_i", operand.recoded_width());
     let (a, b) = (Magnitude::of(operand, a_i), Magnitude::of(operand, b_i));
@@ -55,20 +54,14 @@ fn describe(format: Format, operand: Format, to: Narrow, parts: &mut Parts<'_>) 
     m.section("Multiples");
     let multiplicand = m.concat(&[m.constant(1, 1), a.fraction()]).named("multiplicand");
     let triple_above = booth::triple_above(multiplicand).named("triple_above");
-    let (multiplicand, multiplier) = (multiplicand.lower(n - 1), b.fraction());
-    cut!(parts, [(1, 3)], multiplicand, triple_above, multiplier, exponent, sign, nan, special, zero);
-    let m = parts.builder();
-    let multiplicand = m.concat(&[m.constant(1, 1), multiplicand]).named("factor");
     let triple = m.concat(&[triple_above, multiplicand.bit(0)]);
 
     m.section("Multiply");
     // With the hidden bit, a multiplier of 13 or 14 bits needs a row less than without.
-    let multiplier = m.concat(&[m.constant(1, 1), multiplier]);
+    let multiplier = m.concat(&[m.constant(1, 1), b.fraction()]);
     let rows = compress(booth::rows(multiplicand, triple, multiplier, 2 * n), 2 * n);
     let [addend, augend] = [0, 1].map(|row| rows[row].columns(0, 2 * n));
     let (addend, augend) = (addend.named("addend"), augend.named("augend"));
-    cut!(parts, [(1, 2), (2, 3)], addend, augend, exponent, sign, nan, special, zero);
-    let m = parts.builder();
     let word = lookahead::add(addend, augend, None, "product");
     m.unused("unused_carry", &[word.carry]);
     let word = word.word.named("word");

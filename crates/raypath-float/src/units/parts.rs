@@ -4,7 +4,6 @@
 //! Without a division there, the values continue unchanged, so the whole unit and its parts compute the same. A value
 //! that is not passed on at a cut is not available after it: its use is an error when the part is finished.
 
-use crate::Format;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
@@ -18,25 +17,10 @@ pub(crate) struct Parts<'m> {
 }
 
 impl<'m> Parts<'m> {
-    /// Builds a unit that rounds a `result`, and returns its parts in order: the module
-    /// `raypath_fp_<operation>_<format>` if `count` is 1, otherwise `..._part_1_of_<count>` and so on. It is an error
-    /// if the description has no cuts for this count.
+    /// Builds a unit, and returns its parts in order: the module `name` if `count` is 1, otherwise
+    /// `<name>_part_1_of_<count>` and so on. `doc` is the first line of their head comments. It is an error if the
+    /// description has no cuts for this count.
     pub fn build(
-        operation: &str,
-        result: &str,
-        format: Format,
-        with_flags: bool,
-        count: u32,
-        describe: impl for<'b> FnOnce(&mut Parts<'b>),
-    ) -> Result<Vec<Arc<Module>>, Error> {
-        let (in_name, in_doc) = if with_flags { ("_flags", ", and its exceptions") } else { ("", "") };
-        let name = format!("raypath_fp_{operation}{in_name}_{format}");
-        let doc = format!("{result}, rounded to nearest even{in_doc}.");
-        Self::build_module(&name, &doc, count, describe)
-    }
-
-    /// As [`build`](Self::build), for a module of any name, with the first line of its head comment.
-    pub fn build_module(
         name: &str,
         doc: &str,
         count: u32,
@@ -93,17 +77,6 @@ impl<'m> Parts<'m> {
         }
         self.current += 1;
         let values = values.map(|(stem, wire)| self.over(stem, wire));
-        self.pass_along();
-        values
-    }
-
-    /// As [`cut`](Self::cut), for any number of values.
-    pub fn cut_all(&mut self, cuts: &[(usize, usize)], values: Vec<(String, Wire<'m>)>) -> Vec<Wire<'m>> {
-        if !self.is_cut(cuts) {
-            return values.into_iter().map(|(_, wire)| wire).collect();
-        }
-        self.current += 1;
-        let values = values.into_iter().map(|(stem, wire)| self.over(&stem, wire)).collect();
         self.pass_along();
         values
     }

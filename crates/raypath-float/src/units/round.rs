@@ -36,7 +36,7 @@ pub(crate) fn mark_lost<'m>(format: Format, exponent: Wire<'m>, settled: Wire<'m
     m.section("Mark the bits to lose: one or two, and more below the normal range");
     let least = m.parameter("MinExp", e + 1, constants.min_normal() - (constants.sig_bits() + 1));
     // A result that is settled loses every bit.
-    let above_least = ((exponent - least) & (!settled).replicate(e + 1)).named("above_least");
+    let above_least = ((exponent - least).hint("from_least") & (!settled).replicate(e + 1)).named("above_least");
     let all = m.parameter("AllBits", s + 1, (1 << (s + 1)) - 1);
     all.shift_right(above_least).named("subnormal")
 }
@@ -63,13 +63,13 @@ impl<'m> Unrounded<'m> {
         let subnormal = subnormal.unwrap_or_else(|| mark_lost(format, exponent, settled));
         let zero = m.constant(1, 0);
         let carried = word.top().named("carried");
-        let lost_half = subnormal.bit(0) | carried;
+        let lost_half = (subnormal.bit(0) | carried).hint("lost_half");
         let lost = m.concat(&[settled, subnormal.upper(s), lost_half, m.constant(1, 1)]).named("lost");
         let below_half = m.concat(&[zero, lost.upper(s + 2)]).named("below_half");
 
         m.section("Round");
         let word = word.extend(s + 3).named("unrounded");
-        let exact = (!((word & below_half).any() | sticky)).named("exact");
+        let exact = (!((word & below_half).hint("lost_digits").any() | sticky)).named("exact");
         let filled = (word | below_half).named("filled");
         let rounded = lookahead::increment(filled, "filled").named("rounded");
         let half = m.concat(&[word.lower(s + 2) & lost.lower(s + 2), zero]);

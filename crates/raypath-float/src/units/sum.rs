@@ -15,30 +15,29 @@ use crate::Format;
 use crate::units::constants::Constants;
 use crate::units::lookahead;
 use crate::units::normalise::Normalised;
-use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
-/// The module `raypath_fp_sum_<terms>_<format>` in 1, 2 or 3 parts, like [`add_parts`](crate::add_parts): `sum_o` is
-/// the sum of `x_0_i` to `x_<terms - 1>_i`, rounded once.
+/// The module `raypath_fp_sum_<terms>_<format>`: `sum_o` is the sum of `x_0_i` to `x_<terms - 1>_i`, rounded once.
 ///
 /// # Errors
-/// Fewer than 3 terms or more than 64; another number of parts.
-pub fn sum_parts(format: Format, terms: u32, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
+/// Fewer than 3 terms or more than 64.
+pub fn sum(format: Format, terms: u32) -> Result<Arc<Module>, Error> {
     let name = format!("raypath_fp_sum_{terms}_{format}");
     if !(3..=64).contains(&terms) {
         let problem = format!("has {terms} terms, expected 3 to 64");
         return Err(Error::Name { module: name, name: "sum_o".to_string(), problem });
     }
-    let doc = format!("Sum of {terms} recoded numbers, rounded once to nearest even.");
-    Parts::build_module(&name, &doc, parts, |parts| describe(format, terms, parts))
+    let m = Builder::new(&name);
+    m.doc(format!("Sum of {terms} recoded numbers, rounded once to nearest even."));
+    describe(format, terms, &m);
+    m.finish()
 }
 
-fn describe(format: Format, terms: u32, parts: &mut Parts<'_>) {
+fn describe(format: Format, terms: u32, m: &Builder) {
     let (e, s, window) = (format.exponent(), format.significand(), format.sum_window(terms));
     let growth = terms.next_power_of_two().ilog2();
-    let m = parts.builder();
     let numbers: Vec<Wire<'_>> = (0..terms).map(|term| m.input(&format!("x_{term}_i"), e + s + 1)).collect();
     let each: Vec<Magnitude<'_>> = numbers.iter().map(|&number| Magnitude::of(format, number)).collect();
     let signs = all(m, numbers.iter().map(|number| number.top())).named("signs");
@@ -92,32 +91,13 @@ fn describe(format: Format, terms: u32, parts: &mut Parts<'_>) {
 
     m.section("Add");
     let sign = signs.bit(0);
-    let early = if parts.count() == 3 { LEVELS - growth } else { u32::MAX };
-    let rows = reduce(rows, early, &mut complements);
-    for (stem, wire) in [
-        ("minus", minus),
-        ("nan", nan),
-        ("special", special),
-        ("minus_zero", minus_zero),
-        ("sign", sign),
-        ("exponent", exponent),
-    ] {
-        parts.take_along(stem, wire);
-    }
-    let (rows, mut complements) = cut_rows(parts, rows, complements);
-    let rows = reduce(rows, u32::MAX, &mut complements);
+    let rows = reduce(rows, &mut complements);
     let total = lookahead::add(rows[0], rows[1], complements.pop(), "total");
-    parts.builder().unused("unused_total_carry", &[total.carry]);
+    m.unused("unused_total_carry", &[total.carry]);
     let total = total.word.named("total");
-    cut!(parts, [(1, 2)], total);
     let negative = total.top().named("negative");
     let magnitude = total.lower(width - 1) ^ negative.replicate(width - 1);
     let magnitude = (magnitude + negative.extend(width - 1)).named("magnitude");
-    cut!(parts, [(2, 3)], negative, magnitude);
-    let m = parts.builder();
-    let [minus, nan, special, minus_zero, sign, exponent] =
-        ["minus", "nan", "special", "minus_zero", "sign", "exponent"]
-            .map(|stem| parts.along(stem).unwrap_or_else(|| m.constant(1, 0)));
 
     m.section("Normalise");
     let normalised = Normalised::of(magnitude);
@@ -150,9 +130,6 @@ fn describe(format: Format, terms: u32, parts: &mut Parts<'_>) {
     m.output("sum_o", m.concat(&[result_sign, result_exponent, fraction.named("result_fraction")]));
 }
 
-/// The levels of comparisons and of full adders in the first of three parts.
-const LEVELS: u32 = 10;
-
 /// One bit of each term as a word, the first term lowest.
 fn all<'m>(m: &'m Builder, bits: impl DoubleEndedIterator<Item = Wire<'m>>) -> Wire<'m> {
     m.concat(&bits.rev().collect::<Vec<_>>())
@@ -171,11 +148,10 @@ fn truncating_shift<'m>(word: Wire<'m>, amount: Wire<'m>, present: Wire<'m>) -> 
     shifted & beyond.map_or(present, |beyond| present & !beyond).replicate(width)
 }
 
-/// Reduces rows of one width by at most `levels` levels of full adders, to no fewer than two. A carry is taken from
-/// `complements` into the free lowest place of each row of carries.
-fn reduce<'m>(mut rows: Vec<Wire<'m>>, levels: u32, complements: &mut Vec<Wire<'m>>) -> Vec<Wire<'m>> {
-    let mut level = 0;
-    while rows.len() > 2 && level < levels {
+/// Reduces rows of one width by levels of full adders to two. A carry is taken from `complements` into the free lowest
+/// place of each row of carries.
+fn reduce<'m>(mut rows: Vec<Wire<'m>>, complements: &mut Vec<Wire<'m>>) -> Vec<Wire<'m>> {
+    while rows.len() > 2 {
         let count = rows.len();
         let mut reduced = Vec::new();
         for (number, chunk) in rows.chunks(3).enumerate() {
@@ -185,7 +161,6 @@ fn reduce<'m>(mut rows: Vec<Wire<'m>>, levels: u32, complements: &mut Vec<Wire<'
             }
         }
         rows = reduced;
-        level += 1;
     }
     rows
 }
@@ -199,23 +174,4 @@ fn full_adders<'m>([x, y, z]: [Wire<'m>; 3], lowest: Option<Wire<'m>>, number: &
     m.unused(&format!("unused_carry_{number}"), &[carry.top()]);
     let carries = m.concat(&[carry.lower(width - 1), lowest]);
     [(differ ^ y).named(&format!("sum_{number}")), carries.named(&format!("carries_{number}"))]
-}
-
-/// Passes rows and the complements still to be added to the next part.
-fn cut_rows<'m>(
-    parts: &mut Parts<'m>,
-    rows: Vec<Wire<'m>>,
-    complements: Vec<Wire<'m>>,
-) -> (Vec<Wire<'m>>, Vec<Wire<'m>>) {
-    let m = parts.builder();
-    let left = complements.len();
-    let mut values: Vec<(String, Wire<'m>)> =
-        rows.into_iter().enumerate().map(|(number, row)| (format!("row_{number}"), row)).collect();
-    if left > 0 {
-        values.push(("complements".to_string(), m.concat(&complements)));
-    }
-    let mut wires = parts.cut_all(&[(1, 3)], values);
-    let complements = if left > 0 { wires.pop() } else { None };
-    let complements = complements.map_or_else(Vec::new, |word| (0..left as u32).map(|bit| word.bit(bit)).collect());
-    (wires, complements)
 }

@@ -2,7 +2,7 @@
 
 use crate::design::is_unit;
 use crate::{Design, Error};
-use raypath_hdl::{Driver, Module, RegisterInfo, Signal, longest_path};
+use raypath_hdl::{Driver, Module, RegisterInfo, Signal, Technology, longest_path};
 use raypath_tools::digest;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -30,7 +30,12 @@ impl Structure {
     /// # Errors
     /// Signals that depend on themselves; names that cannot be printed.
     pub fn of(design: &Design) -> Result<Self, Error> {
-        let mut structure = Self { depth: longest_path(design.netlist(), delay)?, ..Self::default() };
+        let mut structure = Self {
+            depth: longest_path(design.netlist(), |driver, operands, width, load| {
+                Technology::Gates.delay(driver, operands, width, load)
+            })?,
+            ..Self::default()
+        };
         structure.add(design.netlist());
         let digests = design.blocks()?.into_iter().map(|block| (block.module, digest(block.text.as_bytes())));
         let digests: BTreeMap<String, String> = digests.collect();
@@ -80,25 +85,4 @@ fn gates(module: &Module, signal: &Signal) -> f64 {
         Driver::ShiftLeft(_, amount) | Driver::ShiftRight(_, amount) => 3.0 * own * width(amount),
         _ => 0.0,
     }
-}
-
-/// The delay of an operator in gates of two inputs.
-fn delay(driver: &Driver, operands: &[u32], width: u32, load: u64) -> f64 {
-    let levels = |count: u32| f64::from(count.max(1)).log2();
-    let operand = operands.first().copied().unwrap_or(1);
-    let own = match driver {
-        Driver::And(..) | Driver::Or(..) => 1.0,
-        Driver::Not(_) => 0.5,
-        Driver::Xor(..) | Driver::Mux { .. } => 1.6,
-        Driver::Case { arms, .. } => 1.6 * (1.0 + levels(arms.len() as u32)),
-        Driver::Add(..) | Driver::Sub(..) => 3.0 + 1.4 * levels(width),
-        Driver::Mul(..) => 3.0 + 4.0 * levels(width),
-        Driver::Equal(..) => 1.6 + levels(operand),
-        Driver::Less(..) => 2.0 + 1.4 * levels(operand),
-        Driver::Any(_) | Driver::All(_) => levels(operand),
-        Driver::ShiftLeft(..) | Driver::ShiftRight(..) => 1.6 * f64::from(operands.get(1).copied().unwrap_or(1).min(6)),
-        _ => 0.0,
-    };
-    // A tree of buffers, four loads each.
-    own + 0.5 * (load.max(1) as f64).log2()
 }

@@ -1,5 +1,6 @@
 //! Register allocation at one boundary of a folded pipeline. A register holds a value for the positions of its life
-//! only, so the values of several rounds share it, and those of several operations.
+//! only, so the values of several rounds share it, and those of several operations. A value inside a unit has the
+//! registers of that unit.
 
 use crate::allocate::affinity::Affinity;
 use crate::allocate::layout::{FLAG_REGISTER, Layout, Origin, RegisterSlot, Slots};
@@ -45,6 +46,11 @@ pub fn allocate(
         for (id, life) in values {
             let kind = operations[op].node(id).kind;
             let value = Value { op, id, life, origin: origin(op, id) };
+            if let (Kind::Cut(..), Origin::Unit(unit)) = (kind, &value.origin) {
+                layout.cuts.insert(*unit);
+                layout.slots[op].insert(id, RegisterSlot::Cut(*unit));
+                continue;
+            }
             let scores = lanes.iter().enumerate().filter(|(_, lane)| lane.has_room(&value, kind, sharing, rounds));
             let scores = scores.map(|(number, lane)| (lane.score(&value, affinities), Reverse(number)));
             let number = match scores.max() {

@@ -3,6 +3,7 @@
 use crate::allocate::affinity::Affinity;
 use crate::allocate::alike::{Alike, alike};
 use crate::allocate::binding::{self, Bindings, StepValues};
+use crate::allocate::delays::{Delay, delays};
 use crate::allocate::layout::{Layout, Origin, RegisterSlot};
 use crate::allocate::{lanes, registers, terms};
 use crate::config::{Control, Encoding, Interval, Microarchitecture, UnitSharing};
@@ -49,6 +50,8 @@ pub struct StepPlan {
     pub alike: Vec<Alike>,
     /// The registers after it.
     pub layout: Layout,
+    /// The number registers after it that are memories or wires.
+    pub delays: BTreeMap<usize, Delay>,
 }
 
 impl Plan {
@@ -69,10 +72,16 @@ impl Plan {
         let interval = microarchitecture.interval;
         let rounds = match interval {
             Interval::One => None,
-            _ => Some(fold::plan(interval.cycles(), &operations, &values, format).ok_or_else(|| Error::Feature {
-                feature: "interval",
-                problem: format!("no schedule found for {interval}, expected a smaller interval"),
-            })?),
+            _ => {
+                let most = match microarchitecture.control {
+                    Control::Skid => fold::MAX_ELASTIC_POSITIONS,
+                    Control::Credit => fold::MAX_POSITIONS,
+                };
+                Some(fold::plan(interval.cycles(), &operations, &values, format, most).ok_or_else(|| {
+                    let problem = format!("no schedule found for {interval}, expected a smaller interval");
+                    Error::Feature { feature: "interval", problem }
+                })?)
+            }
         };
         let mut steps: Vec<StepPlan> = Vec::new();
         for (index, label) in labels.into_iter().enumerate() {
@@ -109,9 +118,13 @@ impl Plan {
                 Some(rounds) => lanes::allocate(sharing, &operations, rounds, index, &affinities, origin),
             };
             let made = here.iter().map(|values| values.made.clone()).collect();
-            steps.push(StepPlan { label, bindings, made, alike, layout });
+            steps.push(StepPlan { label, bindings, made, alike, layout, delays: BTreeMap::new() });
         }
-        Ok(Self { format, microarchitecture, operations, widths, steps, rounds })
+        let mut plan = Self { format, microarchitecture, operations, widths, steps, rounds };
+        for (step, delays) in delays(&plan, microarchitecture.delay_lines).into_iter().enumerate() {
+            plan.steps[step].delays = delays;
+        }
+        Ok(plan)
     }
 
     /// Bits of the opcode: as many as the greatest needs, and at least as many as in the paper.
@@ -139,6 +152,19 @@ impl Plan {
             Control::Skid => 2 * latency,
             // As many as the source offers until the first credit returns.
             Control::Credit => (latency + 1).div_ceil(interval),
+        }
+    }
+
+    /// The cycles after a job of an operation in which no other one of it may enter, because it reads state before this
+    /// job has written it.
+    pub fn spacing(&self, op: usize) -> u32 {
+        let graph = &self.operations[op];
+        let Some(rounds) = &self.rounds else { return graph.spacing() };
+        let reads = |id: &NodeId| graph.operands(*id).iter().any(|&o| matches!(graph.node(o).op, Op::State(_)));
+        let read = rounds.units[op][graph.first_read().0 as usize].iter().filter(|(id, _)| reads(id));
+        match (read.map(|(_, position)| position).min(), rounds.states[op].iter().max()) {
+            (Some(read), Some(written)) => written.saturating_sub(*read),
+            _ => graph.spacing(),
         }
     }
 

@@ -5,7 +5,7 @@ use super::enumerations::{
 };
 use super::exceptions::EXCEPTIONS;
 use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
-use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
+use super::values::{DelayLines, MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
 use raypath_float::Format;
 use raypath_ops::{BoxBits, Culling, EdgeRule, JobKind, Rounding, Rules};
@@ -53,8 +53,10 @@ declare_parameters! {
         units ("units"): UnitSharing = UnitSharing::Shared,
         /// Cycles from a job to the next: with k, each stage computes its values in k rounds on about 1/k of the units.
         interval ("interval"): Interval = Interval::One,
-        /// Pipeline steps of an adder or a multiplier.
-        unit_latency ("unit-latency"): UnitLatency = UnitLatency::One,
+        /// Pipeline steps of adders and of multipliers: `10/7`, or one number for both.
+        unit_latency ("unit-latency"): UnitLatency = UnitLatency::ONE,
+        /// Steps from which on a value that waits is in a memory; 0: always in registers.
+        delay_lines ("delay-lines"): u32 as DelayLines = 0,
         /// Clock gates, so that registers get a clock edge only when they load a value that the job uses.
         clock_gating ("clock-gating"): bool = false,
         /// How a multiplier multiplies significands: in gates (Booth), or with `*`, for the DSP blocks of an FPGA.

@@ -1,9 +1,10 @@
 //! The parameters with named values, except those of the operations themselves.
 
 use super::choice::choices;
-use raypath_float::Format;
-use raypath_hdl::{Error, Module};
-use std::sync::Arc;
+use raypath_float::Product;
+use raypath_hdl::Technology;
+use std::fmt;
+use std::str::FromStr;
 
 choices! {
     /// The number of dimensions of a Euclidean beat. An angular beat has half as many.
@@ -93,22 +94,53 @@ impl Interval {
     }
 }
 
-choices! {
-    /// The number of pipeline steps of an adder or a multiplier.
-    pub enum UnitLatency ("latency of units") {
-        /// One: units are combinational (the paper's).
-        One = "1",
-        /// Two.
-        Two = "2",
-        /// Three.
-        Three = "3",
-    }
+/// The numbers of pipeline steps of adders and of multipliers. As a text, `10/7`, or one number for both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct UnitLatency {
+    /// Steps of an adder, 1 to 10.
+    pub sums: u32,
+    /// Steps of a multiplier, 1 to 8.
+    pub products: u32,
 }
 
 impl UnitLatency {
-    /// The number of steps.
-    pub fn steps(self) -> u32 {
-        [1, 2, 3][self as usize]
+    /// Units are combinational (the paper's).
+    pub const ONE: Self = Self { sums: 1, products: 1 };
+    /// Two steps each.
+    pub const TWO: Self = Self { sums: 2, products: 2 };
+    /// Three steps each.
+    pub const THREE: Self = Self { sums: 3, products: 3 };
+    /// The most steps.
+    pub const MAX: Self = Self { sums: 10, products: 8 };
+    /// Values that tests try.
+    pub const REPRESENTATIVES: [Self; 5] =
+        [Self::ONE, Self::TWO, Self::THREE, Self { sums: 4, products: 1 }, Self::MAX];
+
+    /// Whether a unit has several steps.
+    pub fn is_divided(self) -> bool {
+        self != Self::ONE
+    }
+}
+
+impl FromStr for UnitLatency {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (sums, products) = text.split_once('/').unwrap_or((text, text));
+        let number = |text: &str, most: u32| text.parse().ok().filter(|steps| (1..=most).contains(steps));
+        match (number(sums, Self::MAX.sums), number(products, Self::MAX.products)) {
+            (Some(sums), Some(products)) => Ok(Self { sums, products }),
+            _ => Err(format!(
+                "'{text}', expected the steps of adders and multipliers, 1/1 to {}, or one number for both",
+                Self::MAX
+            )),
+        }
+    }
+}
+
+impl fmt::Display for UnitLatency {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { sums, products } = self;
+        if sums == products { write!(f, "{sums}") } else { write!(f, "{sums}/{products}") }
     }
 }
 
@@ -123,14 +155,19 @@ choices! {
 }
 
 impl Multiplier {
-    /// The modules of the parts of a multiplier, like [`raypath_float::mul_parts`].
-    ///
-    /// # Errors
-    /// Another number of parts than 1, 2 or 3.
-    pub fn parts(self, format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
+    /// How a multiplier forms the product of significands.
+    pub fn product(self) -> Product {
         match self {
-            Self::Booth => raypath_float::mul_parts(format, parts, with_flags),
-            Self::Inferred => raypath_float::mul_inferred_parts(format, parts, with_flags),
+            Self::Booth => Product::Booth,
+            Self::Inferred => Product::Inferred,
+        }
+    }
+
+    /// What the steps of units are divided for.
+    pub fn technology(self) -> Technology {
+        match self {
+            Self::Booth => Technology::Gates,
+            Self::Inferred => Technology::Luts,
         }
     }
 }

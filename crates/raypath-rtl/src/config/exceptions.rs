@@ -1,7 +1,7 @@
 //! Values of parameters that cannot be combined: every combination without one of these pairs can be elaborated.
 
 use super::declarations::{Config, parameters};
-use super::enumerations::{Interval, UnitLatency};
+use super::enumerations::{Control, Interval};
 use crate::error::Error;
 use raypath_float::Format;
 use raypath_ops::{BoxBits, EdgeRule, Rounding, Rules};
@@ -32,8 +32,12 @@ pub struct Choice {
 }
 
 const FOLDED: Choice = choice("interval", "above 1", |c| c.microarchitecture.interval != Interval::One);
-const DIVIDED: Choice = choice("unit-latency", "above 1", |c| c.microarchitecture.unit_latency != UnitLatency::One);
+const DIVIDED: Choice = choice("unit-latency", "above 1", |c| c.microarchitecture.unit_latency.is_divided());
+const DIVIDED_AND_FOLDED: Choice =
+    choice("unit-latency", "above 1 with an interval above 1", |c| (DIVIDED.holds)(c) && (FOLDED.holds)(c));
 const GATED: Choice = choice("clock-gating", "true", |c| c.microarchitecture.clock_gating);
+const DELAYED: Choice = choice("delay-lines", "above 0", |c| c.microarchitecture.delay_lines > 0);
+const SKID: Choice = choice("control", "skid", |c| c.microarchitecture.control == Control::Skid);
 const FLAGS: Choice = choice("exception-flags", "true", |c| c.semantics.features.exception_flags);
 const SUMS: Choice = choice("rounding", "sum", |c| c.semantics.rounding == Rounding::Sum);
 const CHISEL: Choice = choice("rules", "chisel", |c| c.semantics.rules == Rules::Chisel);
@@ -70,7 +74,10 @@ pub const EXCEPTIONS: &[Exception] = &[
     exception(SUMS, FOLDED, "interval 1", "the rounds of a stage have no adder of several terms"),
     exception(SUMS, DIVIDED, "unit-latency 1", "adders of several terms are not divided"),
     exception(SUMS, FLAGS, "rounding unit", "adders of several terms signal no exceptions"),
-    exception(FOLDED, DIVIDED, "unit-latency 1", "a unit of several steps cannot change its operands in every round"),
+    exception(DELAYED, SKID, "control credit", "a memory cannot wait for one job among others"),
+    exception(DELAYED, GATED, "clock-gating false", "a memory has no clock gates"),
+    exception(DELAYED, FOLDED, "interval 1", "the rounds of a stage have no delay lines"),
+    exception(DIVIDED_AND_FOLDED, SKID, "control credit", "a job inside a unit cannot wait for another one"),
     exception(FOLDED, FLAGS, "interval 1", "exceptions join all units of a stage, not those of a round"),
     exception(FOLDED, GATED, "interval 1", "registers already load in the rounds in which a value comes into them"),
     exception(FOLDED, BOUNDS, "interval 1", "the rounds of a stage have no units for short significands"),

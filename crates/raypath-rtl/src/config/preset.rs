@@ -2,7 +2,7 @@
 
 use super::choice::ParseChoiceError;
 use super::declarations::{Config, Features};
-use super::enumerations::{Control, Encoding, Lanes, Sharing, UnitLatency};
+use super::enumerations::{Control, Encoding, Lanes, Multiplier, Sharing, UnitLatency};
 use raypath_float::Format;
 use raypath_ops::Rules;
 use std::fmt;
@@ -33,13 +33,21 @@ pub const PRESETS: &[Preset] = &[
     preset("credit", "all four, half the pipeline registers", PAPER.control(Control::Credit)),
     preset("compact", "the smallest in binary32", GRAPHICS.control(Control::Credit)),
     preset("quantised", "triangles, and boxes of 8 bits a bound", QUANTISED),
-    preset("fast", "boxes and triangles, units in two stages", GRAPHICS.unit_latency(UnitLatency::Two)),
-    preset("fastest", "boxes and triangles, units in three", GRAPHICS.unit_latency(UnitLatency::Three)),
+    preset("fast", "boxes and triangles, units in two stages", GRAPHICS.unit_latency(UnitLatency::TWO)),
+    preset("fastest", "boxes and triangles, units in three", GRAPHICS.unit_latency(UnitLatency::THREE)),
+    preset("ecp5", "boxes and triangles for an FPGA", ECP5),
     preset("half", "boxes and triangles in binary16", GRAPHICS.format(Format::BINARY16)),
     preset("recoded", "recoded numbers at the ports as well", PAPER.io(Encoding::Recoded)),
     preset("ieee", "binary32 in the stage registers as well", PAPER.registers(Encoding::Ieee)),
     preset("segregated", "registers of its own for each operation", PAPER.sharing(Sharing::Segregated)),
 ];
+
+/// Products in DSP blocks, units in as many steps as their carry chains need, waiting values in LUT RAM.
+const ECP5: Config = GRAPHICS
+    .control(Control::Credit)
+    .multiplier(Multiplier::Inferred)
+    .unit_latency(UnitLatency { sums: 10, products: 7 })
+    .delay_lines(4);
 
 const fn preset(name: &'static str, purpose: &'static str, config: Config) -> Preset {
     Preset { name, purpose, config }

@@ -1,5 +1,6 @@
 //! How the values of parameters are written on the command line and in files.
 
+use super::enumerations::UnitLatency;
 use raypath_float::Format;
 use raypath_ops::{BoxBits, Culling, EdgeRule, Rounding, Rules};
 
@@ -39,6 +40,7 @@ pub(super) use values_by_text;
 values_by_text!(Format, "fp32|tf32|bf16|fp16|eXsY", name);
 values_by_text!(Rules, "paper|chisel|bounds", to_string);
 values_by_text!(BoxBits, "8..24", to_string);
+values_by_text!(UnitLatency, "1..8|2/1..10/8", to_string);
 values_by_text!(Rounding, "unit|sum", to_string);
 values_by_text!(EdgeRule, "shared|once", to_string);
 values_by_text!(Culling, "back|front|none", to_string);
@@ -54,17 +56,31 @@ impl Values<Self> for bool {
     }
 }
 
-/// The texts of a tag's width.
-pub struct TagWidth;
+/// Declares how the whole numbers of a parameter are written.
+macro_rules! whole_numbers {
+    ($(#[$attribute:meta])* $name:ident, $texts:literal, $least:literal or $from:expr, $most:expr) => {
+        $(#[$attribute])*
+        pub struct $name;
 
-impl Values<u32> for TagWidth {
-    const TEXTS: &'static str = "0..32";
-    fn parse(text: &str) -> Result<u32, String> {
-        let max = MAX_TAG_WIDTH;
-        let width = text.parse().ok().filter(|&width| width <= max);
-        width.ok_or_else(|| format!("'{text}', expected a whole number from 0 to {max}"))
-    }
-    fn write(width: u32) -> String {
-        width.to_string()
-    }
+        impl Values<u32> for $name {
+            const TEXTS: &'static str = $texts;
+            fn parse(text: &str) -> Result<u32, String> {
+                let number = text.parse().ok().filter(|number| *number == $least || ($from..=$most).contains(number));
+                let expected = if $from == $least + 1 { format!("{} to {}", $least, $most) } else { format!("{}, or {} to {}", $least, $from, $most) };
+                number.ok_or_else(|| format!("'{text}', expected a whole number from {expected}"))
+            }
+            fn write(number: u32) -> String {
+                number.to_string()
+            }
+        }
+    };
+}
+
+whole_numbers! {
+    /// The texts of a tag's width.
+    TagWidth, "0..32", 0 or 1, MAX_TAG_WIDTH
+}
+whole_numbers! {
+    /// The texts of the least length of a delay line. A memory has two words or more.
+    DelayLines, "0|3..64", 0 or 3, 64
 }

@@ -15,5 +15,5 @@ pub use credit::{Spacing, credit};
 pub use exit::Exit;
 pub use gate::Gate;
 pub use plain::Plain;
-pub use rounds::Rounds;
+pub use rounds::{Rounds, words};
 pub use skid::Skid;

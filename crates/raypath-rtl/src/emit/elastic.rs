@@ -1,6 +1,7 @@
 //! The registers after a step: a skid buffer, a register that never stalls, or the FIFO at the exit.
 
-use crate::emit::boundary::{Next, StepBuilder, label};
+use crate::allocate::delays::Delay;
+use crate::emit::boundary::{Next, StepBuilder, label, number};
 use crate::emit::control::{Exit, Gate, Plain, Skid};
 use crate::emit::interface;
 use crate::error::Error;
@@ -8,6 +9,9 @@ use raypath_hdl::text::PortGroup;
 use raypath_hdl::{Module, Register, Wire};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+
+/// The most jobs behind the one that the sink sees that wait in registers.
+const MOST_REGISTERS: u32 = 32;
 
 /// The registers after a step.
 pub struct Registers<'m, 'p> {
@@ -70,6 +74,10 @@ impl<'m, 'p> Registers<'m, 'p> {
             });
             return valid;
         }
+        if !self.at.plan.steps[self.at.step].delays.is_empty() {
+            self.delayed();
+            return valid;
+        }
         let ports = [("valid_i", valid), ("valid_o", register.valid.wire())];
         let mut own = Some(register.valid);
         self.store("u_register", &library.register, &ports, |name, wire| {
@@ -81,6 +89,9 @@ impl<'m, 'p> Registers<'m, 'p> {
     /// Adds the FIFO at the exit: a register that the sink sees, and `depth` jobs behind it.
     pub fn exit(self, depth: u32) -> Result<Wire<'m>, Error> {
         let m = self.at.m;
+        if depth > MOST_REGISTERS && !self.is_gated() {
+            return Ok(self.deep_exit(depth)?);
+        }
         m.section("Registers: a FIFO with a place for every job that holds a credit");
         let valid = m.input("valid_i", 1);
         let ready_after = m.input("ready_i", 1);
@@ -107,6 +118,95 @@ impl<'m, 'p> Registers<'m, 'p> {
         }
         let ports = [inputs[0], inputs[1], ("valid_o", exit.valid)];
         self.store("u_exit", &Exit::buffer(depth)?, &ports, |name, wire| exit.store(m, name, wire));
+        Ok(valid)
+    }
+
+    /// Adds registers, and memories and wires in place of some of them, and their ports.
+    fn delayed(self) {
+        let StepBuilder { m, plan, step, .. } = self.at;
+        let delays = &plan.steps[step].delays;
+        let delay =
+            |next: &Next<'m>| delays.iter().find(|(place, _)| number(**place) == next.name).map(|(_, delay)| *delay);
+        let mut shown: BTreeMap<&str, Wire<'m>> = BTreeMap::new();
+        let mut lines: BTreeMap<u32, Vec<&Next<'m>>> = BTreeMap::new();
+        for next in &self.next {
+            match delay(next) {
+                Some(Delay::Memory(cycles)) => lines.entry(cycles).or_default().push(next),
+                Some(Delay::Wires) => {
+                    shown.insert(&next.name, next.wire);
+                }
+                None => {
+                    let register = m.register(&format!("{}_q", next.name), next.wire.width());
+                    register.next(next.wire);
+                    shown.insert(&next.name, register.wire());
+                }
+            }
+        }
+        for (cycles, words) in lines {
+            m.section(format!("Numbers that wait: a memory shows each {cycles} cycles later"));
+            // The word at the place that is written now is read before: it was written as many cycles ago as the memory
+            // has places, and is shown a cycle later.
+            let places = cycles - 1;
+            let width = (places - 1).ilog2() + 1;
+            let place = m.register(&format!("place_of_{places}_q"), width).reset_to(0);
+            let is_last = place.wire().is(u64::from(places - 1));
+            place.next((place.wire() + m.constant(width, 1)) & (!is_last).replicate(width));
+            let columns: Vec<(&str, u32)> = words.iter().map(|next| (next.name.as_str(), next.wire.width())).collect();
+            let memory = m.memory(&format!("u_wait_{cycles}"), places, &columns);
+            let always = m.constant(1, 1);
+            memory.write(always, place.wire(), &words.iter().map(|next| next.wire).collect::<Vec<_>>());
+            for (next, column) in words.into_iter().zip(memory.read(always, place.wire())) {
+                shown.insert(&next.name, column);
+            }
+        }
+        for Next { name, .. } in &self.next {
+            m.output(&format!("{name}_o"), shown[name.as_str()]);
+        }
+        m.group_outputs(self.output);
+    }
+
+    /// The FIFO at the exit with a memory for most of its jobs. Behind the two registers of [`Exit`] is the next job, in
+    /// a register or as the memory has read it, and behind that the memory. It has jobs only while all of these are
+    /// full, and is read as one of them becomes free, so the sink sees what it would see of registers alone.
+    fn deep_exit(self, depth: u32) -> Result<Wire<'m>, Error> {
+        let m = self.at.m;
+        m.section("Registers, and a memory, with a place for every job that holds a credit");
+        let (valid, ready_after) = (m.input("valid_i", 1), m.input("ready_i", 1));
+        let arrives = m.forward("arrives", 1);
+        let exit = Exit::instance(m, &Exit::module(1)?, &[("valid_i", arrives.wire()), ("ready_i", ready_after)]);
+        m.output("valid_o", exit.valid);
+
+        let width = depth.ilog2() + 1;
+        let counter = |name: &str, width: u32| m.register(name, width).reset_to(0);
+        let (waiting, next_full, is_read) =
+            (counter("waiting_q", width + 1), counter("next_full_q", 1), counter("is_read_q", 1));
+        let (write, read) = (counter("write_q", width), counter("read_q", width));
+        let takes =
+            (!(exit.valid & exit.from_store) | ready_after).named("takes").comment("the registers have a place");
+        let is_any = waiting.wire().any().named("is_any_waiting");
+        let passes = (valid & takes & !next_full.wire()).named("passes");
+        let moves_up = (valid & !passes & !is_any & (takes | !next_full.wire())).named("moves_up");
+        let stores = (valid & !passes & !moves_up).named("stores");
+        let fetches = (is_any & takes).named("fetches");
+        arrives.drive(passes | (next_full.wire() & takes));
+        next_full.next(moves_up | fetches | (next_full.wire() & !takes));
+        is_read.next_when(moves_up | fetches, fetches);
+        waiting.next(waiting.wire() + stores.extend(width + 1) - fetches.extend(width + 1));
+        for (pointer, turns) in [(write, stores), (read, fetches)] {
+            pointer.next(pointer.wire() + turns.extend(width));
+        }
+        let columns: Vec<(&str, u32)> = self.next.iter().map(|next| (next.name.as_str(), next.wire.width())).collect();
+        let memory = m.memory("u_waiting", 1 << width, &columns);
+        memory.write(stores, write.wire(), &self.next.iter().map(|next| next.wire).collect::<Vec<_>>());
+        for (next, oldest) in self.next.iter().zip(memory.read(fetches, read.wire())) {
+            let behind = m.register(&format!("{}_behind_q", next.name), next.wire.width());
+            behind.next_when(moves_up, next.wire);
+            let behind = is_read.wire().mux(oldest, behind.wire());
+            let word = next_full.wire().mux(behind, next.wire).named(&format!("{}_next", next.name));
+            let registers = exit.store(m, &next.name, word);
+            m.output(&format!("{}_o", next.name), registers[registers.len() - 1].wire());
+        }
+        m.group_outputs(self.output);
         Ok(valid)
     }
 

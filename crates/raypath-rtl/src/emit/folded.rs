@@ -39,10 +39,20 @@ impl<'m, 'p> Folded<'m, 'p> {
             RegisterSlot::Flags { low, .. } => format!("flag_{low}"),
             RegisterSlot::Cut(unit) => unit.stem(),
         };
+        for &unit in &layout.cuts {
+            m.section(format!("Registers inside {}, which load in every cycle", unit.stem()));
+            for (stem, wire) in wires.cut(unit)? {
+                let name = format!("{}_{stem}", unit.stem());
+                let register = m.register(&format!("{name}_q"), wire.width());
+                register.next(wire);
+                m.output(&format!("{name}_o"), register.wire());
+            }
+        }
         m.section("Registers, each with the rounds in which it loads");
         let life = self.rounds.opcode(step + 1);
         let mut stored = vec![("opcode".to_string(), opcode, self.enable(&[Resident { op: 0, id: NodeId(0), life }]))];
         let mut slots: Vec<RegisterSlot> = layout.slots.iter().flat_map(|slots| slots.values().copied()).collect();
+        slots.retain(|slot| !matches!(slot, RegisterSlot::Cut(_)));
         slots.sort_unstable();
         slots.dedup();
         for &slot in &slots {

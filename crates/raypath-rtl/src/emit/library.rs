@@ -1,11 +1,11 @@
 use crate::allocate::plan::Plan;
-use crate::config::Multiplier;
+use crate::config::Microarchitecture;
 use crate::emit::control::{Plain, Skid};
 use crate::ir::graph::{Kind, Op, OperationGraph};
 use crate::ir::position::Step;
 use crate::ir::units::{Unit, UnitKind, UnitWidth, sum_steps};
 use raypath_float::{Format, Narrow};
-use raypath_hdl::{Error, Module};
+use raypath_hdl::{Error, Module, Technology, divide, shortest_period};
 use raypath_ops::{Direction, Narrowing};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -56,7 +56,21 @@ fn rounding(to: Narrowing) -> Narrow {
 impl Library {
     /// The modules of a plan, whose adders and multipliers report exceptions if `with_flags`.
     pub fn new(plan: &Plan, with_flags: bool) -> Result<Self, Error> {
-        let (format, parts) = (plan.format, plan.microarchitecture.unit_latency.steps());
+        let Microarchitecture { unit_latency, multiplier, .. } = plan.microarchitecture;
+        let (format, product) = (plan.format, multiplier.product());
+        let technology = multiplier.technology();
+        let add = match unit_latency.sums {
+            1 => raypath_float::add(format, with_flags)?,
+            _ => raypath_float::add_to_divide(format, with_flags)?,
+        };
+        let multiply = raypath_float::mul(format, product, with_flags)?;
+        // The units are divided for one period, so that those with time to spare pass on few bits.
+        let periods = [(&add, unit_latency.sums), (&multiply, unit_latency.products)];
+        let period =
+            periods.map(|(unit, steps)| shortest_period(unit, steps, technology)).into_iter().fold(0.0, f64::max);
+        // Registers cost more than the last of the time that they could save.
+        let period = if technology == Technology::Gates { period * 1.2 } else { period };
+        let divided = |unit, steps| divide(&unit, steps, technology, period);
         let mut numbers = BTreeMap::new();
         for width in plan.operations.iter().flat_map(word_widths) {
             numbers.insert(width, raypath_float::number(format, width)?);
@@ -65,7 +79,7 @@ impl Library {
         for node in plan.operations.iter().flat_map(|graph| &graph.nodes) {
             if let Op::Sum(terms) = &node.op {
                 let terms = terms.len() as u32;
-                sum.insert(terms, raypath_float::sum_parts(format, terms, sum_steps(terms))?);
+                sum.insert(terms, divided(raypath_float::sum(format, terms)?, sum_steps(terms))?);
             }
         }
         let mut narrowings = BTreeMap::new();
@@ -75,14 +89,14 @@ impl Library {
         let narrow = plan.widths.narrow().map(|operand| {
             let mut multiply = BTreeMap::new();
             for to in narrowings.keys().filter(|to| to.margin == 0) {
-                multiply.insert(*to, raypath_float::mul_narrow_parts(format, operand, rounding(*to), parts)?);
+                let unit = raypath_float::mul_narrow(format, operand, rounding(*to))?;
+                multiply.insert(*to, divided(unit, unit_latency.products)?);
             }
             let compare = raypath_float::compare_narrow(format, operand)?;
             let decode = raypath_float::decode_narrow(format, operand)?;
             Ok::<_, Error>(NarrowUnits { multiply, compare, decode })
         });
-        let inferred = plan.microarchitecture.multiplier == Multiplier::Inferred;
-        let by_short = |bits| raypath_float::mul_by_short_parts(format, bits, parts, inferred);
+        let by_short = |bits| divided(raypath_float::mul_by_short(format, bits, product)?, unit_latency.products);
         let multiply_by_short = plan.widths.factor().map(by_short).transpose()?;
         let mut nodes = plan.operations.iter().flat_map(|graph| &graph.nodes);
         let has_residue = nodes.any(|node| matches!(node.op, Op::Residue(..)));
@@ -94,10 +108,10 @@ impl Library {
             register: Plain::buffer()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
-            add: raypath_float::add_parts(format, parts, with_flags)?,
+            add: divided(add, unit_latency.sums)?,
             sum,
-            multiply: plan.microarchitecture.multiplier.parts(format, parts, with_flags)?,
-            residue: has_residue.then(|| raypath_float::mul_with_residue(format, inferred)).transpose()?,
+            multiply: divided(multiply, unit_latency.products)?,
+            residue: has_residue.then(|| raypath_float::mul_with_residue(format, product)).transpose()?,
             compare: raypath_float::compare(format)?,
             narrow: narrow.transpose()?,
             narrowings,

@@ -5,6 +5,7 @@
 
 use crate::allocate::plan::Plan;
 use crate::config::Control;
+use crate::emit::control::words;
 use crate::emit::top::Pipeline;
 use crate::emit::{interface, positions, stage};
 use crate::fold::Rounds;
@@ -56,7 +57,8 @@ impl Properties {
     pub(crate) fn new(plan: &Plan, pipeline: &Pipeline) -> Self {
         let mut binds = vec![order_of_top(plan), stall_of_top(&pipeline.top)];
         binds.extend(pipeline.credit.iter().map(|module| entrance(plan, module)));
-        for traced in plan.operations.iter().filter(|traced| traced.is_loop()) {
+        // The credits of a folded pipeline keep the jobs of a loop apart.
+        for traced in plan.operations.iter().filter(|traced| traced.is_loop() && plan.rounds.is_none()) {
             binds.push(beats(plan, traced));
         }
         binds.extend(plan.rounds.iter().zip(&pipeline.rounds).map(|(rounds, module)| distance(plan, rounds, module)));
@@ -205,16 +207,18 @@ fn entrance(plan: &Plan, module: &Module) -> Bind {
 /// The distance of jobs in a folded pipeline.
 fn distance(plan: &Plan, rounds: &Rounds, module: &Module) -> Bind {
     let last = rounds.positions() - 1;
+    let words = words(rounds.positions());
     let (enters, leaves) = match plan.microarchitecture.control {
         Control::Skid => ("enters", format!("at_q[{last}] & ready_i")),
-        Control::Credit => ("valid_i", format!("at_q[{last}]")),
+        Control::Credit => ("valid_i", format!("{}[{}]", words[words.len() - 1].0, words[words.len() - 1].1 - 1)),
     };
+    let all: Vec<&str> = words.iter().rev().map(|(name, _)| name.as_str()).collect();
     Bind::new(module.name(), Checker::Rounds)
         .parameter("Positions", rounds.positions().into())
         .parameter("Interval", rounds.interval.into())
         .connect("enters_i", enters)
         .connect("leaves_i", leaves)
-        .connect("at_i", "at_q")
+        .connect("at_i", if all.len() == 1 { all[0].to_string() } else { format!("{{{}}}", all.join(", ")) })
 }
 
 /// Jobs through the registers of a step, which hold one or two jobs, or at the exit one for every credit.

@@ -185,7 +185,11 @@ impl<'m> States<'m> {
             for ((op, number), register) in self.registers {
                 let traced = &plan.operations[op];
                 let moves = positions.moves(rounds.states[op][number]);
-                register.next_when(moves & is(opcode, traced), values.get(op, traced.states[number].next)?);
+                let state = &traced.states[number];
+                register.next_when(moves & is(opcode, traced), values.get(op, state.next)?);
+                if state.read < state.written {
+                    m.output(&format!("{}_o", port(traced, state)), register.wire());
+                }
             }
             return Ok(());
         }

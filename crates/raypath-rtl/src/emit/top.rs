@@ -176,8 +176,8 @@ impl<'m> Positions<'m> {
 
 /// The operations whose jobs must keep a distance, because the pipeline cannot delay a job after its acceptance.
 fn spacings(plan: &Plan) -> Vec<Spacing> {
-    let loops = plan.operations.iter().filter(|traced| traced.is_loop());
-    loops.map(|traced| Spacing { label: label(traced), name: traced.name, cycles: traced.spacing() }).collect()
+    let loops = plan.operations.iter().enumerate().filter(|(_, traced)| traced.is_loop());
+    loops.map(|(op, traced)| Spacing { label: label(traced), name: traced.name, cycles: plan.spacing(op) }).collect()
 }
 
 /// Wires from a step to an earlier one: state that is read before the step that writes it.

@@ -1,18 +1,21 @@
 //! Values of a stage that must be computed in one round, because they depend on each other.
 
-use crate::ir::graph::{NodeId, Op, OperationGraph};
+use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
 use crate::ir::liveness::PositionValues;
 use crate::ir::position::Step;
 use crate::ir::units::UnitKind;
 use std::collections::{BTreeMap, BTreeSet};
+
+/// A kind of units, and the part of them, from 0.
+pub type UnitPart = (UnitKind, u32);
 
 /// Units of a stage that depend on each other through its logic, and the logic that depends on them.
 #[derive(Debug, Clone, Default)]
 pub struct Group {
     /// The values that units compute.
     pub units: Vec<NodeId>,
-    /// The number of units of each kind.
-    pub kinds: BTreeMap<UnitKind, usize>,
+    /// The number of units of each kind, or of their parts.
+    pub kinds: BTreeMap<UnitPart, usize>,
     /// States that are read or written.
     pub states: Vec<usize>,
     /// The values that it reads from the registers before the stage.
@@ -25,6 +28,8 @@ pub struct Carried {
     pub id: NodeId,
     /// The group that it depends on. A value without a group is available in every round.
     pub group: Option<usize>,
+    /// It goes to the next part of a unit, and cannot wait.
+    pub is_inside_unit: bool,
     /// The values that it reads from the registers before the stage.
     pub leaves: BTreeSet<NodeId>,
 }
@@ -76,9 +81,9 @@ impl Work {
         for &id in &anchored {
             let number = group_of(&mut sets, id.index(), &mut groups);
             let group = &mut groups[number];
-            if let Some((kind, _)) = graph.unit_part(id) {
+            if let Some(part) = graph.unit_part(id) {
                 group.units.push(id);
-                *group.kinds.entry(kind).or_default() += 1;
+                *group.kinds.entry(part).or_default() += 1;
             }
             group.leaves.extend(leaves(graph, &held, id));
         }
@@ -91,7 +96,8 @@ impl Work {
         for &id in &here.carried {
             let is_anchored = anchored.contains(&id) && !held.contains(&id);
             let group = is_anchored.then(|| group_of(&mut sets, id.index(), &mut groups));
-            carried.push(Carried { id, group, leaves: leaves(graph, &held, id) });
+            let is_inside_unit = matches!(graph.node(id).kind, Kind::Cut(..));
+            carried.push(Carried { id, group, is_inside_unit, leaves: leaves(graph, &held, id) });
         }
         Self { groups, carried }
     }

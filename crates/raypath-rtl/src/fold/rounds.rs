@@ -1,8 +1,7 @@
 //! Assigns the groups of every stage to rounds.
 
-use super::groups::{Carried, Group, Work};
+use super::groups::{Carried, Group, UnitPart, Work};
 use crate::ir::graph::NodeId;
-use crate::ir::units::UnitKind;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The positions at which a value may come into the registers that carry it.
@@ -10,6 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Arrival {
     pub earliest: u32,
     pub latest: u32,
+    /// The positions that it may stay there after the one at which it came.
+    pub stays: u32,
 }
 
 /// The rounds of one stage.
@@ -18,7 +19,7 @@ pub struct StageRounds {
     /// For each operation the round of each group.
     pub rounds: Vec<Vec<u32>>,
     /// The units that are needed.
-    pub units: BTreeMap<UnitKind, usize>,
+    pub units: BTreeMap<UnitPart, usize>,
     /// For each operation when its values may come into the registers after the stage.
     pub arrivals: Vec<BTreeMap<NodeId, Arrival>>,
 }
@@ -27,7 +28,7 @@ pub struct StageRounds {
 /// the first positions of the stages; the first entry, that of the input, is not used. The last stage has one round.
 pub fn assign(interval: u32, works: &[Vec<Work>], starts: &[u32]) -> Option<Vec<StageRounds>> {
     let stages = starts.len();
-    let at_once = Arrival { earliest: 0, latest: 0 };
+    let at_once = Arrival { earliest: 0, latest: 0, stays: interval - 1 };
     let inputs = works.iter().map(|work| work[0].carried.iter().map(|value| (value.id, at_once)).collect());
     let input = StageRounds { rounds: vec![Vec::new(); works.len()], arrivals: inputs.collect(), ..Default::default() };
     let mut assigned = vec![input];
@@ -68,15 +69,15 @@ impl Stage {
         known: &BTreeMap<NodeId, Arrival>,
         first: u32,
         last: u32,
-    ) -> Option<Arrival> {
+    ) -> Option<(u32, u32)> {
         let earliest = leaves.iter().map(|leaf| known[leaf].earliest).fold(first, u32::max);
-        let latest = leaves.iter().map(|leaf| known[leaf].latest + self.interval - 1).fold(last, u32::min);
-        (earliest <= latest).then_some(Arrival { earliest, latest })
+        let latest = leaves.iter().map(|leaf| known[leaf].latest + known[leaf].stays).fold(last, u32::min);
+        (earliest <= latest).then_some((earliest, latest))
     }
 
     fn window(self, group: &Group, known: &BTreeMap<NodeId, Arrival>) -> Option<Window> {
         let found = self.readable(&group.leaves, known, self.start, self.start + self.rounds - 1)?;
-        Some((found.earliest - self.start, found.latest - self.start))
+        Some((found.0 - self.start, found.1 - self.start))
     }
 
     /// When the values that the stage passes on may come into the registers after it, with these rounds of its groups.
@@ -88,8 +89,9 @@ impl Stage {
     ) -> Option<BTreeMap<NodeId, Arrival>> {
         let arrival = |value: &Carried| {
             let (first, last) = value.group.map_or((0, self.rounds - 1), |group| (assigned[group], assigned[group]));
-            let read = self.readable(&value.leaves, known, self.start + first, self.start + last)?;
-            Some((value.id, Arrival { earliest: read.earliest + 1, latest: read.latest + 1 }))
+            let (earliest, latest) = self.readable(&value.leaves, known, self.start + first, self.start + last)?;
+            let stays = if value.is_inside_unit { 0 } else { self.interval - 1 };
+            Some((value.id, Arrival { earliest: earliest + 1, latest: latest + 1, stays }))
         };
         work.carried.iter().map(arrival).collect()
     }
@@ -97,9 +99,9 @@ impl Stage {
 
 /// List scheduling of one stage: the least number of units, then every group as early as possible.
 fn stage_rounds(works: &[Vec<Work>], stage: usize, rounds: u32, windows: &[Vec<Window>]) -> StageRounds {
-    let mut units: BTreeMap<UnitKind, usize> = BTreeMap::new();
+    let mut units: BTreeMap<UnitPart, usize> = BTreeMap::new();
     for work in works {
-        let mut totals: BTreeMap<UnitKind, (usize, usize)> = BTreeMap::new();
+        let mut totals: BTreeMap<UnitPart, (usize, usize)> = BTreeMap::new();
         for (&kind, &count) in work[stage].groups.iter().flat_map(|group| &group.kinds) {
             let (total, most) = totals.entry(kind).or_default();
             (*total, *most) = (*total + count, (*most).max(count));
@@ -120,10 +122,10 @@ fn stage_rounds(works: &[Vec<Work>], stage: usize, rounds: u32, windows: &[Vec<W
 }
 
 /// The rounds of an operation's groups with these units, or the group that does not fit.
-fn list<'a>(groups: &'a [Group], windows: &[Window], units: &BTreeMap<UnitKind, usize>) -> Result<Vec<u32>, &'a Group> {
+fn list<'a>(groups: &'a [Group], windows: &[Window], units: &BTreeMap<UnitPart, usize>) -> Result<Vec<u32>, &'a Group> {
     let mut order: Vec<usize> = (0..groups.len()).collect();
     order.sort_by_key(|&group| (windows[group], group));
-    let mut free: BTreeMap<(u32, UnitKind), usize> = BTreeMap::new();
+    let mut free: BTreeMap<(u32, UnitPart), usize> = BTreeMap::new();
     let mut rounds = vec![0; groups.len()];
     for number in order {
         let group = &groups[number];

@@ -9,16 +9,20 @@ use crate::ir::position::Step;
 use crate::ir::units::UnitKind;
 use raypath_float::Format;
 
-/// The greatest number of positions, because a word of the netlist has a bit for each.
-const MAX_POSITIONS: u32 = 64;
+/// The greatest number of positions where jobs may have to wait, because a word of the netlist has a bit for each.
+pub const MAX_ELASTIC_POSITIONS: u32 = 64;
+
+/// The greatest number of positions. The models have a bit of a word for each, and for the exit.
+pub const MAX_POSITIONS: u32 = 127;
 
 /// The schedule of a folded pipeline with this interval, which is at least 2. `values` are those of each operation and
-/// step.
+/// step, `most` is the greatest number of positions.
 pub fn plan(
     interval: u32,
     operations: &[OperationGraph<Step>],
     values: &[Vec<PositionValues>],
     format: Format,
+    most: u32,
 ) -> Option<Rounds> {
     let work = |(graph, values): (&OperationGraph<Step>, &Vec<PositionValues>)| -> Vec<Work> {
         let none = PositionValues::default();
@@ -26,14 +30,18 @@ pub fn plan(
         (0..values.len()).map(|step| Work::new(graph, Step(step as u32), before(step), &values[step])).collect()
     };
     let works: Vec<Vec<Work>> = operations.iter().zip(values).map(work).collect();
-    let problem = Problem { interval, operations, works: &works, format };
+    let problem = Problem { interval, operations, works: &works, format, most };
     let stages = works.first().map_or(0, Vec::len);
     // The positions from the beginning of each stage to that of the next.
     let mut delays = vec![1; stages.saturating_sub(2)];
+    // A value inside a unit goes on at once.
+    let inside = |work: &Work| work.carried.iter().any(|value| value.is_inside_unit);
+    let is_fixed: Vec<bool> =
+        (0..delays.len()).map(|stage| works.iter().any(|work| inside(&work[stage + 1]))).collect();
     let mut best = problem.try_out(&delays);
     loop {
         let before = best.as_ref().map(|(cost, _)| *cost);
-        for stage in 0..delays.len() {
+        for stage in (0..delays.len()).filter(|stage| !is_fixed[*stage]) {
             for delay in 1..=interval {
                 let mut changed = delays.clone();
                 changed[stage] = delay;
@@ -54,6 +62,7 @@ struct Problem<'a> {
     operations: &'a [OperationGraph<Step>],
     works: &'a [Vec<Work>],
     format: Format,
+    most: u32,
 }
 
 impl Problem<'_> {
@@ -66,7 +75,7 @@ impl Problem<'_> {
         }));
         let assigned = rounds::assign(self.interval, self.works, &starts)?;
         let rounds = Rounds::new(self.interval, self.works, &starts, &assigned)?;
-        (rounds.positions() <= MAX_POSITIONS).then(|| (self.cost(&assigned, &rounds), rounds))
+        (rounds.positions() <= self.most).then(|| (self.cost(&assigned, &rounds), rounds))
     }
 
     /// An estimate of the area in gates: units, register bits, and a little for each position.
@@ -77,7 +86,8 @@ impl Problem<'_> {
             UnitKind::Add | UnitKind::Sum => bits * 50,
             UnitKind::Compare | UnitKind::Encode | UnitKind::Decode => bits * 8,
         };
-        let units = assigned.iter().flat_map(|stage| &stage.units).map(|(&kind, &count)| area(kind) * count as u64);
+        let units = assigned.iter().flat_map(|stage| &stage.units).filter(|((_, part), _)| *part == 0);
+        let units = units.map(|(&(kind, _), &count)| area(kind) * count as u64);
         let registers = (0..rounds.starts.len()).map(|step| self.register_bits(rounds, step) * 9);
         units.sum::<u64>() + registers.sum::<u64>() + u64::from(rounds.positions()) * 8
     }

@@ -2,7 +2,7 @@
 
 use crate::{
     Budget, Config, DatapathNetlist, EXCEPTIONS, Exception, Lanes, PRESETS, Preset, STAGES, StageNote, StepLabel,
-    UnitKind, UnitLatency, Units,
+    UnitKind, Units,
 };
 use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{CellAlignment, ContentArrangement, Row, Table};
@@ -74,7 +74,7 @@ pub fn units_and_registers(datapath: &DatapathNetlist, config: Config) -> String
 /// Whether Table VIII has this configuration: 16 lanes or none, and units of one stage.
 fn is_in_table_viii(config: Config) -> bool {
     matches!(config.semantics.lanes, Lanes::None | Lanes::Sixteen)
-        && config.microarchitecture.unit_latency == UnitLatency::One
+        && !config.microarchitecture.unit_latency.is_divided()
 }
 
 /// The configurations with names.

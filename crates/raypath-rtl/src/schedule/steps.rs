@@ -6,16 +6,16 @@
 //!
 //! An adder of several terms has a part in each of several stages instead, so units are combinational beside it.
 
+use crate::config::UnitLatency;
 use crate::ir::graph::{Kind, Node, NodeId, Op, OperationGraph, StateValue};
 use crate::ir::position::{Stage, Step, StepLabel};
 use crate::ir::units::{UnitKind, sum_steps};
 
 /// Assigns the values of the operations to steps. Returns the graphs and the labels of the steps, that of the input's
-/// registers first. Adders and multipliers have a latency of `latency` steps, at least 1. The pipeline has `stages`
-/// stages.
+/// registers first. The pipeline has `stages` stages.
 pub fn expand(
     operations: &[OperationGraph<Stage>],
-    latency: u32,
+    latency: UnitLatency,
     stages: u32,
 ) -> (Vec<OperationGraph<Step>>, Vec<StepLabel>) {
     let times: Vec<Vec<Time>> = operations.iter().map(|graph| times(graph, latency)).collect();
@@ -50,7 +50,8 @@ struct Time {
 
 /// The earliest times: after operands of the same stage; operands of earlier stages are available from the beginning.
 /// If units have a latency of several steps, no unit follows another one in a step.
-fn times(graph: &OperationGraph<Stage>, latency: u32) -> Vec<Time> {
+fn times(graph: &OperationGraph<Stage>, latency: UnitLatency) -> Vec<Time> {
+    let is_divided = latency.is_divided();
     let mut times: Vec<Time> = Vec::with_capacity(graph.nodes.len());
     for (id, node) in graph.ids().zip(&graph.nodes) {
         let operands = graph.operands(id);
@@ -59,8 +60,9 @@ fn times(graph: &OperationGraph<Stage>, latency: u32) -> Vec<Time> {
         let Time { end, full, .. } = ready.unwrap_or_default();
         let begin = if full { end + 1 } else { end };
         times.push(match &node.op {
-            op if op.rounds() && latency > 1 => Time { begin, end: begin + latency - 1, full: true },
-            Op::Compare(..) if latency > 1 => Time { begin, end: begin, full: true },
+            Op::Add(..) | Op::Subtract(..) if is_divided => Time { begin, end: begin + latency.sums - 1, full: true },
+            Op::Multiply(..) if is_divided => Time { begin, end: begin + latency.products - 1, full: true },
+            Op::Compare(..) if is_divided => Time { begin, end: begin, full: true },
             _ => Time { begin: end, end, full },
         });
     }

@@ -1,8 +1,8 @@
 //! Exceptions: units compared with exact arithmetic, and jobs with a circuit that collects exceptions.
 
 use crate::features::check;
-use raypath_float::{Format, add_parts, flags, mul_parts, mul_with_residue};
-use raypath_hdl::{Module, Simulator};
+use raypath_float::{Format, Product, add, flags, mul, mul_with_residue};
+use raypath_hdl::{Module, Simulator, Technology, divide};
 use raypath_ops::{Flagged, Layout, RESIDUE_TINY, Rules};
 use raypath_rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
 use std::collections::BTreeMap;
@@ -58,9 +58,12 @@ impl Chain {
 fn units_raise_what_exact_arithmetic_says() {
     for (e, s) in [(3, 3), (3, 4), (4, 3), (4, 4)] {
         let format = Format::new(e, s).expect("a format");
-        for parts in 1..=3 {
-            let mut add = Chain::new(&add_parts(format, parts, true).expect("an adder"));
-            let mut multiply = Chain::new(&mul_parts(format, parts, true).expect("a multiplier"));
+        for parts in [1, 2, 3, 8] {
+            let divided = |unit: Result<Arc<Module>, _>| {
+                divide(&unit.expect("a unit"), parts, Technology::Gates, 0.0).expect("parts")
+            };
+            let mut add = Chain::new(&divided(add(format, true)));
+            let mut multiply = Chain::new(&divided(mul(format, Product::Booth, true)));
             let mut seen = 0;
             for a in 0..1_u64 << format.ieee_width() {
                 for b in 0..1_u64 << format.ieee_width() {
@@ -90,9 +93,8 @@ fn residues_have_the_order_of_exact_products() {
     for (e, s) in [(3, 3), (4, 3), (3, 4), (4, 4), (5, 5)] {
         let format = Format::new(e, s).expect("a format");
         let least = 2.0_f64.powi(2 - (1 << (e - 1)));
-        let units = [false, true].map(|inferred| {
-            Simulator::new(&mul_with_residue(format, inferred).expect("a multiplier")).expect("a unit")
-        });
+        let units = [Product::Booth, Product::Inferred]
+            .map(|product| Simulator::new(&mul_with_residue(format, product).expect("a multiplier")).expect("a unit"));
         let mut by_product: BTreeMap<u64, Vec<(f64, u32)>> = BTreeMap::new();
         let mut units = units;
         for a in 0..1_u64 << format.ieee_width() {
@@ -137,8 +139,8 @@ fn jobs_raise_what_the_model_collects() {
     let more = Features { range: true, conservative: true, accumulators: Accumulators::Two, ..alone };
     let small = Config::DEFAULT.lanes(Lanes::Four);
     check(small.features(alone).rules(Rules::Chisel), 1_500);
-    check(small.features(more).unit_latency(UnitLatency::Two), 1_500);
-    check(small.features(more).unit_latency(UnitLatency::Three).control(Control::Credit), 1_500);
+    check(small.features(more).unit_latency(UnitLatency::TWO), 1_500);
+    check(small.features(more).unit_latency(UnitLatency::THREE).control(Control::Credit), 1_500);
 }
 
 #[test]

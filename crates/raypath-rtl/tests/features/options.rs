@@ -80,8 +80,8 @@ fn features_do_not_depend_on_the_microarchitecture() {
     let front = Features { conservative: false, culling: Culling::Front, ..ALL };
     for config in [
         all,
-        all.control(Control::Credit).unit_latency(UnitLatency::Three),
-        all.io(Encoding::Recoded).multiplier(Multiplier::Inferred).unit_latency(UnitLatency::Two),
+        all.control(Control::Credit).unit_latency(UnitLatency::THREE),
+        all.io(Encoding::Recoded).multiplier(Multiplier::Inferred).unit_latency(UnitLatency::TWO),
         all.registers(Encoding::Ieee).sharing(Sharing::Segregated),
         all.lanes(Lanes::None).rules(Rules::Chisel).features(front),
         // The widening constant is that of the format.

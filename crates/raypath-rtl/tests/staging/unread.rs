@@ -51,7 +51,7 @@ impl Operation for Sum {
 #[test]
 fn dead_values_change_nothing() {
     for is_auto in [false, true] {
-        for unit_latency in UnitLatency::ALL.iter().copied() {
+        for unit_latency in UnitLatency::REPRESENTATIVES {
             let microarchitecture = Microarchitecture { unit_latency, ..Microarchitecture::DEFAULT };
             let [without, with] = [false, true].map(|has_unread| {
                 let set = Operations::new().with(&Sum { has_unread, is_auto }, 0).expect("an operation");

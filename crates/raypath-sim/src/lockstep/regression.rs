@@ -17,21 +17,21 @@ use raypath_rtl::{Config, Control, Encoding, Interval, Lanes, Multiplier, Sharin
 pub const CONFIGS: [Config; 10] = [
     Config::DEFAULT,
     Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit),
-    Config::DEFAULT.lanes(Lanes::Two).unit_latency(UnitLatency::Two),
-    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).unit_latency(UnitLatency::Two),
+    Config::DEFAULT.lanes(Lanes::Two).unit_latency(UnitLatency::TWO),
+    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).unit_latency(UnitLatency::TWO),
     Config::DEFAULT.lanes(Lanes::Two).interval(Interval::Four),
     Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).interval(Interval::Two),
     Config::DEFAULT
         .lanes(Lanes::None)
         .control(Control::Credit)
-        .unit_latency(UnitLatency::Three)
+        .unit_latency(UnitLatency::THREE)
         .multiplier(Multiplier::Inferred),
     Config::DEFAULT.lanes(Lanes::None).format(Format::BINARY16).sharing(Sharing::Segregated),
     Config::DEFAULT.lanes(Lanes::None).format(Format::TF32).control(Control::Credit).registers(Encoding::Ieee),
     Config::DEFAULT
         .lanes(Lanes::Two)
         .format(Format::BFLOAT16)
-        .unit_latency(UnitLatency::Three)
+        .unit_latency(UnitLatency::THREE)
         .units(UnitSharing::Disjoint),
 ];
 
@@ -156,18 +156,19 @@ impl RegressionChecks {
     /// something in the stages that they save. The initiation interval is the configured one, or the
     /// duration of an addition for distances.
     fn has_the_specified_timing(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), String> {
-        let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
+        let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency);
         let latency = netlist.shape().latency as u64;
         let interval = u64::from(self.config.microarchitecture.interval.cycles());
         let semantics = self.config.semantics;
         let features = semantics.features;
         let is_short = semantics.rounding == Rounding::Sum && !features.range && !features.quantised_boxes;
         let shortest = if is_short { 10 } else { 12 };
-        let is_specified = if unit_latency == 1 && interval == 1 { latency == shortest } else { latency > shortest };
+        let is_specified =
+            if !unit_latency.is_divided() && interval == 1 { latency == shortest } else { latency > shortest };
         expect(is_specified, || format!("latency {latency}"))?;
         for &kind in kinds {
             let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
-            let initiation_interval = if sums { interval.max(unit_latency.into()) } else { interval };
+            let initiation_interval = if sums { interval.max(unit_latency.sums.into()) } else { interval };
             let shaped = netlist.shape().interval(kind.opcode()) as u64;
             expect(shaped == initiation_interval, || format!("{kind}: an interval of {shaped}"))?;
             let (measured, specified) = match self.jobs(model, &[kind]).next() {

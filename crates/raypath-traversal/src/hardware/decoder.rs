@@ -111,7 +111,7 @@ pub fn decoder(UnitParameters { contexts, step, .. }: UnitParameters) -> Result<
 
     m.section("The sums");
     has_sums.next_when(advance, has_operands.wire());
-    let adder = add(Format::BINARY32)?;
+    let adder = add(Format::BINARY32, false)?;
     let addends = if addends.is_empty() {
         let exists: Vec<Wire<'_>> =
             (0..).zip(exists).map(|(k, bit): (u32, _)| held(advance, &format!("exists_{k}"), bit)).collect();

@@ -1,6 +1,6 @@
 //! A test bench of the floating-point units: one netlist with all units of a format and common operands.
 
-use raypath_float::{Format, add, compare, decode, div, encode, mul, sqrt};
+use raypath_float::{Format, Product, add, compare, decode, div, encode, mul, sqrt};
 use raypath_hdl::{Builder, Error, Module, Simulator, Wire, expose_registers};
 use std::sync::Arc;
 
@@ -76,7 +76,8 @@ impl Units {
     /// The datapath's units.
     pub fn new(format: Format) -> Result<Self, Error> {
         let (encode, decode, compare) = (encode(format)?, decode(format)?, compare(format)?);
-        let (add, mul, div, sqrt) = (add(format)?, mul(format)?, div(format)?, sqrt(format)?);
+        let (add, mul, div, sqrt) =
+            (add(format, false)?, mul(format, Product::Booth, false)?, div(format)?, sqrt(format)?);
         Ok(Self { format, encode, decode, add, mul, div, sqrt, compare })
     }
 

@@ -1,7 +1,7 @@
 //! Rounding to shorter significands: the software of the models, against the units, which `unit-proofs` proves.
 
 use crate::units::converter;
-use raypath_float::{Format, Narrow, mul_narrow_parts, narrow};
+use raypath_float::{Format, Narrow, mul_narrow, narrow};
 use raypath_verify_arithmetic::units::operands::{for_products, generator};
 
 #[test]
@@ -31,7 +31,7 @@ fn products_of_binary32() {
     let (format, mut random) = (Format::BINARY32, generator(1));
     for (bits, away) in [(8, true), (8, false), (13, true), (13, false), (24, true), (24, false)] {
         let to = Narrow { bits, away, margin: 0 };
-        let mut unit = converter(mul_narrow_parts(format, bits, to, 1).map(|mut parts| parts.remove(0)));
+        let mut unit = converter(mul_narrow(format, bits, to));
         for _ in 0..20_000 {
             let (a, b) = for_products(&mut random);
             let [a, b] = [a, b].map(|code| u64::from(code) >> (24 - bits) << (24 - bits));
@@ -51,7 +51,7 @@ fn significands_that_a_format_does_not_have_are_refused() {
     let format = Format::BINARY16;
     for bits in [2, 12] {
         let to = Narrow { bits, away: true, margin: 0 };
-        for error in [narrow(format, to).err(), mul_narrow_parts(format, 11, to, 1).err()] {
+        for error in [narrow(format, to).err(), mul_narrow(format, 11, to).err()] {
             let said = error.expect("refused").to_string();
             assert!(said.contains(&format!("{bits} bits, expected 3 to 11")), "{said}");
         }

@@ -4,8 +4,8 @@ use crate::units::converter;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
-use raypath_float::{Format, sum_parts};
-use raypath_hdl::Simulator;
+use raypath_float::{Format, sum};
+use raypath_hdl::{Simulator, Technology, divide};
 use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{Binary32, Circuit, Single};
 use raypath_oracle::exact::Arithmetic;
@@ -25,7 +25,9 @@ struct Sums {
 
 impl Sums {
     fn new(format: Format, terms: u32) -> Self {
-        let unit = |parts| converter(sum_parts(format, terms, parts).and_then(|parts| chain(&parts)));
+        let unit = |parts| {
+            converter(sum(format, terms).and_then(|unit| chain(&divide(&unit, parts, Technology::Gates, 0.0)?)))
+        };
         Self { format, units: [1, 2, 3].map(unit) }
     }
 

@@ -31,7 +31,7 @@ pub fn problems(datapath: &DatapathNetlist, config: Config, texts: &ModuleTexts)
         let environment = environment(datapath, config, module);
         // A longer pipeline is proved step by step.
         let order =
-            if is_top && config.microarchitecture.unit_latency != UnitLatency::One { Vec::new() } else { order };
+            if is_top && config.microarchitecture.unit_latency != UnitLatency::ONE { Vec::new() } else { order };
         let lemmas = || if is_top { lemmas::of_pipeline(datapath, config) } else { lemmas::of_exit(datapath) };
         if !stall.is_empty() {
             let problem = problem(texts, module, &stall, &environment, Method::Unbounded);

@@ -52,9 +52,9 @@ pub(super) fn chosen(level: Level) -> Result<Vec<ProvedDatapath>, Error> {
             plain(Config::DEFAULT),
             plain(small.control(Control::Credit).rules(Rules::Chisel)),
             plain(small.interval(Interval::Four).io(Encoding::Recoded)),
-            plain(small.unit_latency(UnitLatency::Three).sharing(Sharing::Segregated).clock_gating(true)),
+            plain(small.unit_latency(UnitLatency::THREE).sharing(Sharing::Segregated).clock_gating(true)),
             plain(small.units(UnitSharing::Disjoint).exception_flags(true).accumulators(Accumulators::Four)),
-            plain(features.multiplier(Multiplier::Inferred).exception_flags(true).unit_latency(UnitLatency::Two)),
+            plain(features.multiplier(Multiplier::Inferred).exception_flags(true).unit_latency(UnitLatency::TWO)),
             plain(small.lanes(Lanes::None).rules(Rules::Bounds(BoxBits::DEFAULT))),
             with(small, quantised_box::QuantisedBox::NAME),
         ]);

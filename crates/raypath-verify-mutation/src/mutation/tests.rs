@@ -97,7 +97,7 @@ fn visible_faults_are_not_proven_equivalent() {
 #[test]
 fn sums_do_not_depend_on_the_order_of_operands() {
     for format in [Format::BINARY32, Format::TF32, Format::BFLOAT16, Format::BINARY16] {
-        let add = raypath_float::add(format).expect("an adder");
+        let add = raypath_float::add(format, false).expect("an adder");
         let in_order = |names: [&str; 2]| {
             let m = Builder::new("sum");
             let [a, b] = ["a_i", "b_i"].map(|name| m.input(name, format.recoded_width()));

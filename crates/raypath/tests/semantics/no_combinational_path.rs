@@ -29,7 +29,7 @@ fn configurations() -> Vec<Config> {
     for lanes in [Lanes::None, Lanes::Two] {
         for &control in Control::ALL {
             let config = Config::DEFAULT.lanes(lanes).control(control);
-            all.extend(UnitLatency::ALL.iter().map(|&unit_latency| config.unit_latency(unit_latency)));
+            all.extend(UnitLatency::REPRESENTATIVES.map(|unit_latency| config.unit_latency(unit_latency)));
             all.extend(Interval::ALL.iter().map(|&interval| config.interval(interval)));
         }
     }
@@ -37,7 +37,7 @@ fn configurations() -> Vec<Config> {
 }
 
 fn loops(config: Config) -> bool {
-    config.semantics.lanes != Lanes::None && config.microarchitecture.unit_latency != UnitLatency::One
+    config.semantics.lanes != Lanes::None && config.microarchitecture.unit_latency != UnitLatency::ONE
 }
 
 /// Inputs and outputs are registered: no output port depends on the sink's ready, and ready depends on no input port.

@@ -4,9 +4,21 @@ use raypath_hdl::{Builder, Module, Wire};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+/// The most bits of a word.
+const WORD: u32 = 64;
+
+/// The registers that have a bit for each position, the lowest first: names and bits.
+pub fn words(positions: u32) -> Vec<(String, u32)> {
+    if positions <= WORD {
+        return vec![("at_q".to_string(), positions)];
+    }
+    let bits = |word: u32| (positions - word * WORD).min(WORD);
+    (0..positions.div_ceil(WORD)).map(|word| (format!("at_{}_q", word * WORD), bits(word))).collect()
+}
+
 /// The control of a folded pipeline.
 pub struct Rounds<'a> {
-    /// The number of positions, at most 64.
+    /// The number of positions, at most 64 if jobs wait at some.
     pub positions: u32,
     /// The least number of positions between two jobs.
     pub interval: u32,
@@ -23,12 +35,19 @@ impl Rounds<'_> {
         m.doc(format!("The positions of the jobs, from 0 to {}. Jobs are {interval} or more apart.", positions - 1));
         let valid = m.input("valid_i", 1);
         let ready_after = (!stops.is_empty()).then(|| m.input("ready_i", 1));
-        let state = m.register("at_q", positions).reset_to(0);
-        let is_at = |position: u32| state.wire().bit(position);
+        let words = words(positions);
+        let states: Vec<_> = words.iter().map(|(name, bits)| m.register(name, *bits).reset_to(0)).collect();
+        let state = states[0];
+        let is_at = |position: u32| states[(position / WORD) as usize].wire().bit(position % WORD);
 
         if stops.is_empty() {
             m.section("Every job moves in every cycle");
-            state.next(m.concat(&[state.wire().lower(positions - 1), valid]));
+            let mut enters = valid;
+            for (state, (_, bits)) in states.iter().zip(&words) {
+                let word = state.wire();
+                state.next(if *bits > 1 { m.concat(&[word.lower(bits - 1), enters]) } else { enters });
+                enters = word.top();
+            }
         }
         let mut go: Vec<Option<Wire<'_>>> = vec![None; positions as usize];
         if let Some(ready_after) = ready_after {

@@ -16,7 +16,7 @@
 
 use super::lemma::{Fault, Lemma, Signal, Text, is_chain};
 use super::linear::{Equation, Sum, Term, derive_product, digit};
-use raypath_float::{Format, encode, mul_by_short_parts, mul_inferred_parts, mul_parts};
+use raypath_float::{Format, Product, encode, mul, mul_by_short};
 use raypath_hdl::verilog::text;
 use raypath_verify::Error;
 use std::fmt;
@@ -65,13 +65,10 @@ impl Multiplier {
     /// The unit cannot be built, or its text lacks a signal.
     pub fn theorem(self) -> Result<Theorem, Error> {
         let factor = self.format.narrowed(self.short.unwrap_or(self.format.significand()))?;
-        let parts = match (self.inferred, self.short) {
-            (inferred, Some(bits)) => mul_by_short_parts(self.format, bits, 1, inferred)?,
-            (true, None) => mul_inferred_parts(self.format, 1, self.with_flags)?,
-            (false, None) => mul_parts(self.format, 1, self.with_flags)?,
-        };
-        let [unit] = parts.as_slice() else {
-            return Ok((Vec::new(), Err("no unit".into())));
+        let product = if self.inferred { Product::Inferred } else { Product::Booth };
+        let unit = &match self.short {
+            Some(bits) => mul_by_short(self.format, bits, product)?,
+            None => mul(self.format, product, self.with_flags)?,
         };
         Unit { multiplier: self, factor, text: Text::new(unit.name(), text(unit)?) }.theorem()
     }

@@ -11,10 +11,10 @@ use super::words::{canonical_form, encoders, is_canonical, is_nan};
 use super::{short, sum};
 use crate::units::bench::{chain, unrolled};
 use raypath_float::{
-    DivSqrt, Format, Narrow, add_parts, compare, compare_narrow, decode, decode_narrow, encode, mul_inferred_parts,
-    mul_narrow_parts, mul_parts, narrow, sum_parts,
+    DivSqrt, Format, Narrow, Product, add, compare, compare_narrow, decode, decode_narrow, encode, mul, mul_narrow,
+    narrow, sum,
 };
-use raypath_hdl::Module;
+use raypath_hdl::{Module, Technology, divide};
 use raypath_verify::Error;
 use std::sync::Arc;
 
@@ -99,9 +99,9 @@ impl Unit {
     /// The unit in parts.
     fn parts(self, f: Format, count: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, raypath_hdl::Error> {
         match self {
-            Self::Add => add_parts(f, count, with_flags),
-            Self::Mul => mul_parts(f, count, with_flags),
-            Self::MulInferred => mul_inferred_parts(f, count, with_flags),
+            Self::Add => divide(&add(f, with_flags)?, count, Technology::Gates, 0.0),
+            Self::Mul => divide(&mul(f, Product::Booth, with_flags)?, count, Technology::Gates, 0.0),
+            Self::MulInferred => divide(&mul(f, Product::Inferred, with_flags)?, count, Technology::Luts, 0.0),
             Self::Div => DivSqrt::Quotient.parts(f, count),
             Self::Sqrt => DivSqrt::Root.parts(f, count),
         }
@@ -260,7 +260,7 @@ impl UnitClaim {
                 ..Claim::default()
             },
             Self::ShortProduct(to) => {
-                let (unit, short) = (mul_narrow_parts(f, to.bits, to, 1)?.remove(0), f.narrowed(to.bits)?);
+                let (unit, short) = (mul_narrow(f, to.bits, to)?, f.narrowed(to.bits)?);
                 let is_exact = 2 * to.bits <= f.significand();
                 let significand = if is_exact { to.bits } else { f.significand() };
                 let mode = if !is_exact { "RNE" } else { [&"RTZ", &"DYN"][usize::from(to.away)] };
@@ -277,8 +277,8 @@ impl UnitClaim {
                 }
             }
             Self::ShortProductParts(to, count) => {
-                let ours = chain(&mul_narrow_parts(f, to.bits, to, count)?)?;
-                let sides = [ours, mul_narrow_parts(f, to.bits, to, 1)?.remove(0)];
+                let whole = mul_narrow(f, to.bits, to)?;
+                let sides = [chain(&divide(&whole, count, Technology::Gates, 0.0)?)?, whole];
                 let name = format!("multiplication of {} bits in {count} parts", to.bits);
                 Claim { name, fault: ("< LeastKept", "<= LeastKept"), ..alike(&sides)? }
             }
@@ -346,7 +346,7 @@ impl UnitClaim {
             }
             Self::Sum(terms) => Claim {
                 name: format!("sums of {terms} terms"),
-                unit: texts([&sum_parts(f, terms, 1)?.remove(0)])?,
+                unit: texts([&sum(f, terms)?])?,
                 rest: texts([&encode(f)?])?,
                 inputs: [("a".to_string(), terms * ieee)].into(),
                 width: recoded,
