@@ -162,11 +162,17 @@ pub fn verbatim(module: &Module, text: String, below: Vec<[String; 3]>) -> Arc<M
     Arc::new(module)
 }
 
-/// The same module, where it and those below have these texts by their names ([`verbatim`]).
-pub fn with_texts(module: &Arc<Module>, texts: &BTreeMap<String, String>) -> Arc<Module> {
+/// The same module, where it and those below have these texts by their names ([`verbatim`]), or by those of their
+/// templates. Those that refer to a package of this name refer to this one.
+pub fn with_texts(module: &Arc<Module>, texts: &BTreeMap<String, String>, package: &Arc<Package>) -> Arc<Module> {
     changed(module, |module| {
+        let of_name = module.text.package.as_mut().filter(|known| known.name == package.name);
+        of_name.into_iter().for_each(|known| known.clone_from(package));
         if let Some(text) = texts.get(&module.name) {
             module.text.verbatim = Some((text.clone(), Vec::new()));
+        }
+        if let Some(template) = &mut module.text.template {
+            texts.get(&template.module).into_iter().for_each(|text| template.text.clone_from(text));
         }
     })
 }

@@ -21,10 +21,12 @@ use crate::{Error, SignalId};
 use entries::{Entry, Section};
 pub use gate::CLOCK_GATE;
 pub use hierarchy::{Source, modules, sources, text};
+pub use layout::wrap;
 use layout::{comment, logic};
 pub use package::print_package;
 use plan::Plan;
 pub use ram::{RAM, RAM_TEXT};
+pub use statements::Connections;
 use std::collections::HashSet;
 
 /// The licence: the first comment of every file.

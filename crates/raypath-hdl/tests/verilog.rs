@@ -173,11 +173,8 @@ fn registers_of_one_kind_share_a_block_at_their_sections_end() {
   end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      overflows_q <= '0;
-    end else if (held_en) begin
-      overflows_q <= overflows_q + {15'd0, adder_carry};
-    end
+    if (!rst_ni) overflows_q <= '0;
+    else if (held_en) overflows_q <= overflows_q + {15'd0, adder_carry};
   end
 ",
     );

@@ -26,6 +26,7 @@ mod registers;
 mod scheduler;
 mod set_up;
 mod step;
+mod structured;
 mod top;
 mod walk;
 mod weights;

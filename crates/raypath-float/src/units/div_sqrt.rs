@@ -58,6 +58,16 @@ impl DivSqrt {
         pipeline::pipeline(&name, &doc, &self.parts(format, latency)?, tag_width)
     }
 
+    /// The text of the pipelined quotient with a tag, by the name of its module: a loop in place of modules for the parts
+    /// between the first and the last. None if there are none.
+    ///
+    /// # Errors
+    /// A latency that the quotient does not have.
+    pub fn looped_quotient(format: Format, latency: u32) -> Result<Option<(String, String)>, Error> {
+        let name = format!("raypath_{}_pipelined_{format}_l{latency}", Self::Quotient.stem());
+        pipeline::looped(&name, &Self::Quotient.parts(format, latency)?)
+    }
+
     /// The unit that computes one result at a time, `digits` digits a cycle. The module is
     /// `raypath_<div|rcp|sqrt|div_sqrt>_iterative_<format>_d<digits>`, with the ports of
     /// [`pipelined`](Self::pipelined). The result is there [`iterative_latency`](Self::iterative_latency) cycles after

@@ -27,6 +27,36 @@ pub(crate) fn pipeline(name: &str, doc: &str, parts: &[Arc<Module>], tag_width: 
     connected(builder, parts, tag_width)
 }
 
+/// The text of the quotient's pipeline with any tag, by the name of its module, in which a loop has the digits of the parts
+/// between the first and the last; none if there are none between.
+pub(crate) fn looped(name: &str, parts: &[Arc<Module>]) -> Result<Option<(String, String)>, Error> {
+    let [first, between @ .., last] = parts else { return Ok(None) };
+    if between.is_empty() {
+        return Ok(None);
+    }
+    let any = Builder::new(&format!("{name}_tagged"));
+    any.parameterise_width();
+    let any = connected(any, parts, PAYLOAD)?;
+    let printed = verilog::print_module(&any, &[])?;
+    let ports = printed.split_once("\n);\n").map_or("", |(ports, _)| ports);
+    let width = |module: &Module, port: &str| module.port_width(port).unwrap_or_default();
+    let known = parts.iter().rev().skip(1).map(|part| format!("8'd{}", width(part, "digits_o")));
+    let of_first = |port: &str| (width(first, port) - 1).to_string();
+    let values = [
+        ("PARTS", parts.len().to_string()),
+        ("REST", width(first, "remainder_o").to_string()),
+        ("KNOWN", known.collect::<Vec<_>>().join(", ")),
+        ("LAST_RESULT", (width(last, "result_o") - 1).to_string()),
+        ("LAST_EXPONENT", of_first("exponent_o")),
+        ("LAST_DIVISOR", of_first("divisor_o")),
+        ("FIRST", first.name().to_string()),
+        ("LAST", last.name().to_string()),
+    ];
+    let body = include_str!("raypath_div_pipelined.sv").to_string();
+    let body = values.iter().fold(body, |body, (name, value)| body.replace(&format!("@{name}@"), value));
+    Ok(Some((any.name().to_string(), format!("{ports}\n);\n{body}endmodule : {}\n", any.name()))))
+}
+
 fn connected(m: Builder, parts: &[Arc<Module>], tag_width: u32) -> Result<Arc<Module>, Error> {
     let mut valid = m.input("valid_i", 1);
     let ready = m.input("ready_i", 1);

@@ -104,8 +104,11 @@ impl Found {
         if let Some(bank) = bank {
             self.visit(&bank.module)?;
         }
+        // A template may have a loop in place of some instances.
+        let template = module.text().template.as_ref().filter(|_| self.is_text);
+        let is_there = |name: &str| template.is_none_or(|template| template.text.contains(&format!("{name} ")));
         for (index, instance) in module.instances().iter().enumerate() {
-            if bank.is_none_or(|bank| bank.replaces != Some(index)) {
+            if bank.is_none_or(|bank| bank.replaces != Some(index)) && is_there(instance.module.name()) {
                 self.visit(&instance.module)?;
             }
         }

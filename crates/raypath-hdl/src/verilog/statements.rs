@@ -254,7 +254,8 @@ fn memory(plan: &Plan<'_>, index: usize) -> Vec<String> {
 }
 
 /// The connections of an instance.
-struct Connections {
+#[derive(Debug, Default)]
+pub struct Connections {
     items: Vec<String>,
 }
 
@@ -265,12 +266,13 @@ impl Connections {
         Self { items }
     }
 
-    fn add(&mut self, port: &str, net: &str) {
+    /// Connects a net to a port.
+    pub fn add(&mut self, port: &str, net: &str) {
         self.items.push(if port == net { format!(".{port}") } else { format!(".{port} ({net})") });
     }
 
-    /// On one line if it fits, otherwise on full lines.
-    fn print(self, instance: &str) -> Vec<String> {
+    /// The lines of an instance: one if it fits, otherwise full ones.
+    pub fn print(self, instance: &str) -> Vec<String> {
         let line = format!("  {instance} ({});", self.items.join(", "));
         if line.len() <= COLUMNS {
             return vec![line];
@@ -323,26 +325,32 @@ fn registers(plan: &Plan<'_>, group: &[usize]) -> Vec<String> {
         lines.push(String::new());
     }
     let condition = enable.map(|enable| format!("if ({enable}) begin"));
+    let mut body = Vec::new();
     if infos[0].reset.is_some() {
         lines.push(format!("  always_ff @(posedge {clock} or negedge rst_ni) begin"));
-        lines.push("    if (!rst_ni) begin".to_string());
-        lines.extend(assignments("      ", &reset));
-        lines.push(format!("    end else {}", condition.as_deref().unwrap_or("begin")));
-        lines.extend(assignments("      ", &next));
-        lines.push("    end".to_string());
+        body.push("    if (!rst_ni) begin".to_string());
+        body.extend(assignments("      ", &reset));
+        body.push(format!("    end else {}", condition.as_deref().unwrap_or("begin")));
     } else {
         lines.push(format!("  always_ff @(posedge {clock}) begin"));
-        match condition {
-            None => lines.extend(assignments("    ", &next)),
-            Some(condition) => {
-                lines.push(format!("    {condition}"));
-                lines.extend(assignments("      ", &next));
-                lines.push("    end".to_string());
-            }
-        }
+        body.extend(condition.iter().map(|condition| format!("    {condition}")));
     }
+    body.extend(assignments(if body.is_empty() { "    " } else { "      " }, &next));
+    body.extend((body.len() > infos.len()).then(|| "    end".to_string()));
+    lines.extend(in_short(body));
     lines.push("  end".to_string());
     lines
+}
+
+/// The lines of conditions with an assignment each, or of others. If they fit, each condition is on the line of its
+/// assignment.
+fn in_short(lines: Vec<String>) -> Vec<String> {
+    let short = lines.chunks_exact(2).map(|pair| {
+        let condition = pair[0].trim_start().trim_start_matches("end ").strip_suffix("begin")?;
+        Some(format!("    {condition}{}", pair[1].trim_start())).filter(|line| line.len() <= COLUMNS)
+    });
+    let short: Option<Vec<String>> = short.collect();
+    short.filter(|short| lines.len() > 1 && 2 * short.len() + 1 == lines.len()).unwrap_or(lines)
 }
 
 /// One bit that reads all of `ids`.

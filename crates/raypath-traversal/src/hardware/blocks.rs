@@ -67,7 +67,8 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         let mut stored = Vec::new();
         for number in 0..beats {
             let of = of.iter().enumerate();
-            let here: Vec<_> = of.filter(|(_, (word, ..))| word / per_beat == number as usize).collect();
+            // The last word is the most significant, as in a beat.
+            let here: Vec<_> = of.rev().filter(|(_, (word, ..))| word / per_beat == number as usize).collect();
             if here.is_empty() {
                 continue;
             }

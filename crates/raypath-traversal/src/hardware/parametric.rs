@@ -6,11 +6,12 @@
 
 use super::parameters::UnitParameters;
 use super::queue::bits;
+use super::structured::structured;
 use crate::error::UnitError;
+use raypath_float::{DivSqrt, Format};
 use raypath_hdl::{Builder, Module, text, verilog};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
-use std::iter::once;
 use std::sync::Arc;
 
 /// The parameters. The width of a context follows from the number of contexts.
@@ -70,7 +71,7 @@ pub fn parametric(
         others.push((values(sample), texts));
     }
     let mut uses: BTreeMap<String, BTreeSet<usize>> = BTreeMap::new();
-    let mut texts = BTreeMap::new();
+    let mut texts = Vec::new();
     for (place, (module, text)) in printed(top)?.into_iter().enumerate() {
         let others: Vec<(Values, &str)> =
             others.iter().filter_map(|(values, texts)| Some((*values, texts.get(place)?.1.as_str()))).collect();
@@ -78,7 +79,7 @@ pub fn parametric(
         let (filled, mut used) = unified(&text, values(unit), &others).ok_or_else(no_text)?;
         let below = module.instances().iter().filter_map(|instance| uses.get(instance.module.name()));
         used.extend(below.flatten());
-        if used.is_empty() {
+        if used.is_empty() && !module.name().starts_with("raypath_unit") {
             continue;
         }
         used.extend(used.contains(&CONTEXT_WIDTH).then_some(0));
@@ -96,10 +97,15 @@ pub fn parametric(
             let tag = datapath.port_width("tag_i").unwrap_or(1);
             filled = with_tag(&with_checks(&filled, unit), tag, tag - bits(unit.contexts));
         }
-        texts.insert(module.name().to_string(), laid_out(&filled));
-        uses.insert(module.name().to_string(), used);
+        texts.push((module.name().to_string(), filled));
+        if !used.is_empty() {
+            uses.insert(module.name().to_string(), used);
+        }
     }
-    Ok(text::with_texts(top, &texts))
+    let (mut texts, package) = structured(&texts, unit.step.features);
+    texts.extend(DivSqrt::looped_quotient(Format::BINARY32, unit.divider_latency)?);
+    let texts = texts.into_iter().map(|(name, text)| (name, laid_out(&text))).collect();
+    Ok(text::with_texts(top, &texts, &Arc::new(package)))
 }
 
 /// A module with the ports of the datapath, whose tag is narrower by some bits.
@@ -249,6 +255,9 @@ impl Sum {
 
 /// The text with a list of parameters.
 fn with_header(text: &str, used: &BTreeSet<usize>, at: Values) -> String {
+    if used.is_empty() {
+        return text.to_string();
+    }
     let is_local = |name: usize| name == CONTEXT_WIDTH;
     let longest = used.iter().map(|name| NAMES[*name].len()).max().unwrap_or(0);
     let kinds = if used.contains(&CONTEXT_WIDTH) { ["parameter ", "localparam"] } else { ["parameter", "localparam"] };
@@ -306,7 +315,7 @@ pub fn laid_out(text: &str) -> String {
     let (mut until, mut column) = (0, 0);
     for (place, line) in lines.iter().enumerate() {
         let Some((indent, kind, rest)) = declared[place] else {
-            wrap(&mut out, line);
+            verilog::wrap(line.to_string()).iter().for_each(|line| out += &format!("{line}\n"));
             continue;
         };
         if place >= until {
@@ -334,23 +343,14 @@ pub fn laid_out(text: &str) -> String {
 pub fn declaration(line: &str) -> Option<(usize, &str, &str)> {
     let code = line.trim_start();
     let indent = line.len() - code.len();
-    let is_declared = ["input  logic ", "output logic ", "logic "].iter().any(|kind| code.starts_with(kind));
-    let kind_end = match code.find(']') {
-        Some(end) if code.find('[').is_some_and(|begin| code[..begin].trim_end().ends_with("logic")) => end + 1,
-        _ => code.find("logic")? + "logic".len(),
+    let of_type = ["input ", "output "].iter().find_map(|direction| code.strip_prefix(direction)).unwrap_or(code);
+    let of_type = of_type.trim_start();
+    let mut rest = match of_type.strip_prefix("logic ") {
+        Some(rest) => rest.trim_start(),
+        None => of_type.starts_with("raypath_unit_pkg::").then(|| of_type.split_once(' '))??.1.trim_start(),
     };
-    (is_declared && indent <= 4).then(|| (indent, code[..kind_end].trim_end(), code[kind_end..].trim_start()))
-}
-
-/// Writes a line, or several if it is long.
-fn wrap(out: &mut String, line: &str) {
-    let indent = line.len() - line.trim_start().len();
-    let mut rest = line.to_string();
-    while rest.len() > 100 {
-        let ends = [rest[..100].rfind(", ").map(|end| end + 1), rest[..100].rfind(' ')];
-        let Some(end) = ends.into_iter().flatten().find(|end| *end > indent + 4) else { break };
-        let _ = writeln!(out, "{}", &rest[..end]);
-        rest = format!("{:indent$}    {}", "", &rest[end + 1..]);
+    while let Some((_, after)) = rest.strip_prefix('[').and_then(|range| range.split_once(']')) {
+        rest = after.trim_start();
     }
-    out.extend(once(rest.as_str()).chain(once("\n")));
+    (indent <= 4).then(|| (indent, code[..code.len() - rest.len()].trim_end(), rest))
 }

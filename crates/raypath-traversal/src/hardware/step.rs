@@ -17,8 +17,10 @@ use std::sync::Arc;
 pub fn prepare_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_unit_prepare");
     m.doc("What happens to a ray when an answer arrives, before its stack is read.");
-    m.doc("A ray whose stack has lost the deepest pending level descends again from the root, along the places of the");
-    m.doc("children that it took (a restart trail), and takes the next child at that level.");
+    m.doc(
+        "A ray whose stack has lost the deepest pending level descends again from the root, along the places of the \
+           children that it took (a restart trail), and takes the next child at that level.",
+    );
     refer_to_package(&m, parameters.features);
     let state: RayState<Netlist<'_>> = inputs_with(&m, "state", parameters);
     let answer: Answer<Netlist<'_>> = inputs_with(&m, "answer", parameters);
@@ -53,8 +55,8 @@ pub fn finish_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
     m.doc("What happens to a ray when an answer arrives, after its stack is read.");
     refer_to_package(&m, parameters.features);
     m.doc(format!("The stack of a ray has {} entries.", parameters.stack));
-    m.doc("The entry of a level is at the level modulo their number, so that deep levels overwrite high ones: base is the");
-    m.doc("lowest level that is not overwritten.");
+    m.doc("The entry of a level is at the level modulo their number, so that deep levels overwrite high ones: base is the \
+           lowest level that is not overwritten.");
     let half: HalfStep<Netlist<'_>> = inputs_with(&m, "half", parameters);
     let top: Group<Netlist<'_>> = inputs(&m, "top");
     let (next, request) = finish(Netlist(&m), parameters, half, top);

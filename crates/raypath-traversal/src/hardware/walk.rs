@@ -38,8 +38,10 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_walk");
     let m = &builder;
     m.doc("The steps of rays: one in each cycle, in three stages.");
-    m.doc("A ray has one answer at a time, so that no stage needs what a later one has not written yet: there is no");
-    m.doc("bypass. The stages never wait: the queues behind them have a word for each context.");
+    m.doc(
+        "A ray has one answer at a time, so that no stage needs what a later one has not written yet: there is no \
+           bypass. The stages never wait: the queues behind them have a word for each context.",
+    );
     refer_to_package(m, step.features);
     let width = bits(count);
     let (flush, node_limit) = (m.input("flush_i", 1), m.input("node_limit_i", 32));

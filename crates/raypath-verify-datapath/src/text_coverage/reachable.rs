@@ -49,7 +49,8 @@ impl Text {
     /// other side.
     pub fn always<'t>(&'t self, point: &CoveragePoint) -> Option<&'t str> {
         let line = self.modules.get(&point.module)?.get(point.line.checked_sub(1)?)?.trim();
-        let condition = line.trim_start_matches("end else ").strip_prefix("if (")?.strip_suffix(") begin")?;
+        let condition = line.trim_start_matches("end ").trim_start_matches("else ").strip_prefix("if (")?;
+        let condition = condition.strip_suffix(") begin").or_else(|| Some(condition.split_once(") ")?.0))?;
         (point.kind == CoverageKind::Branch && point.name == "else").then_some(condition)
     }
 
@@ -98,7 +99,8 @@ mod tests {
 
     #[test]
     fn the_other_side_of_an_if_has_its_condition() {
-        let text = "module m;\n    if (!rst_ni) begin\n    end else if (load) begin\n    end\n";
+        let text =
+            "module m;\n    if (!rst_ni) begin\n    end else if (load) begin\n    end\n    else if (more) a_q <= b;\n";
         let text = Text::new(&[Source { name: "m".to_string(), text: text.to_string() }]);
         let always = |kind, line, name: &str| {
             let point = CoveragePoint { kind, module: "m".to_string(), line, name: name.to_string(), hits: 0 };
@@ -109,6 +111,7 @@ mod tests {
         assert_eq!(always(CoverageKind::Branch, 3, "if"), None);
         assert_eq!(always(CoverageKind::Line, 3, "else"), None);
         assert_eq!(always(CoverageKind::Branch, 4, "else"), None);
+        assert_eq!(always(CoverageKind::Branch, 5, "else").as_deref(), Some("more"));
     }
 
     #[test]

@@ -110,12 +110,18 @@ assert named == ports_of(card["module"]) and len(named) == len(card["ports"])
 
 
 def units_below(name):
-    """The units in a module and below it, by the instances in the text."""
+    """The units in a module and below it, by the instances in the text. A loop has the parts of a divider between the
+    first and the last."""
     found = collections.Counter()
     body = (folder / f"rtl/{name}.sv").read_text().split("\n);", 1)[1]
-    for below in re.findall(r"^  (raypath\w*) (?:#\((?:[^()]|\([^()]*\))*\) )?u_\w+ \(", body, re.M):
+    for below in re.findall(r"^ +(raypath\w*) (?:#\((?:[^()]|\([^()]*\))*\)\s+)?u_\w+ \(", body, re.M):
         unit = re.fullmatch(r"raypath_fp_(\w+)", below)
         found += collections.Counter({unit[1]: 1}) if unit else units_below(below)
+    loop = r"localparam logic \[31:0\] Parts += (\d+);.*for \(genvar k = 0; k < Parts - 1; k\+\+\)"
+    if loop := re.search(loop, body, re.S):
+        [first] = [unit for unit in found if unit.endswith(f"_part_1_of_{loop[1]}")]
+        between = range(2, int(loop[1]))
+        found += collections.Counter(first.replace("_1_of_", f"_{part}_of_") for part in between)
     return found
 
 

@@ -5,15 +5,6 @@ rtl/raypath_queue.sv
 rtl/raypath_unit_contexts.sv
 rtl/raypath_fp_encode_e8s24.sv
 rtl/raypath_fp_div_e8s24_part_1_of_11.sv
-rtl/raypath_fp_div_e8s24_part_2_of_11.sv
-rtl/raypath_fp_div_e8s24_part_3_of_11.sv
-rtl/raypath_fp_div_e8s24_part_4_of_11.sv
-rtl/raypath_fp_div_e8s24_part_5_of_11.sv
-rtl/raypath_fp_div_e8s24_part_6_of_11.sv
-rtl/raypath_fp_div_e8s24_part_7_of_11.sv
-rtl/raypath_fp_div_e8s24_part_8_of_11.sv
-rtl/raypath_fp_div_e8s24_part_9_of_11.sv
-rtl/raypath_fp_div_e8s24_part_10_of_11.sv
 rtl/raypath_fp_div_e8s24_part_11_of_11.sv
 rtl/raypath_div_pipelined_e8s24_l11_tagged.sv
 rtl/raypath_fp_decode_e8s24.sv

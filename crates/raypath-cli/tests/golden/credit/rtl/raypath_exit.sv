@@ -72,97 +72,65 @@ module raypath_exit #(
   end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      write_q <= 12'd1;
-    end else if (stores) begin
-      write_q <= {write_q[10:0], write_q[11]};
-    end
+    if (!rst_ni) write_q <= 12'd1;
+    else if (stores) write_q <= {write_q[10:0], write_q[11]};
   end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      read_q <= 12'd1;
-    end else if (fetches) begin
-      read_q <= {read_q[10:0], read_q[11]};
-    end
+    if (!rst_ni) read_q <= 12'd1;
+    else if (fetches) read_q <= {read_q[10:0], read_q[11]};
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[0]) begin
-      data_store_0_q <= data_i;
-    end
+    if (store[0]) data_store_0_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[1]) begin
-      data_store_1_q <= data_i;
-    end
+    if (store[1]) data_store_1_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[2]) begin
-      data_store_2_q <= data_i;
-    end
+    if (store[2]) data_store_2_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[3]) begin
-      data_store_3_q <= data_i;
-    end
+    if (store[3]) data_store_3_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[4]) begin
-      data_store_4_q <= data_i;
-    end
+    if (store[4]) data_store_4_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[5]) begin
-      data_store_5_q <= data_i;
-    end
+    if (store[5]) data_store_5_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[6]) begin
-      data_store_6_q <= data_i;
-    end
+    if (store[6]) data_store_6_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[7]) begin
-      data_store_7_q <= data_i;
-    end
+    if (store[7]) data_store_7_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[8]) begin
-      data_store_8_q <= data_i;
-    end
+    if (store[8]) data_store_8_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[9]) begin
-      data_store_9_q <= data_i;
-    end
+    if (store[9]) data_store_9_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[10]) begin
-      data_store_10_q <= data_i;
-    end
+    if (store[10]) data_store_10_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (store[11]) begin
-      data_store_11_q <= data_i;
-    end
+    if (store[11]) data_store_11_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (load_front) begin
-      data_q <= stored ? data_oldest : data_i;
-    end
+    if (load_front) data_q <= stored ? data_oldest : data_i;
   end
 
   assign valid_o = front_full_q;

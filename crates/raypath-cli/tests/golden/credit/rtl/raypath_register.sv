@@ -19,11 +19,8 @@ module raypath_register #(
   logic [Width-1:0] data_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_q <= 1'b0;
-    end else begin
-      valid_q <= valid_i;
-    end
+    if (!rst_ni) valid_q <= 1'b0;
+    else valid_q <= valid_i;
   end
 
   always_ff @(posedge clk_i) begin

@@ -158,7 +158,7 @@ module raypath_device #(
     .config_flags_i (1'b0), .config_candidates_i (1'b0),
     .config_instances_i (1'b0), .config_nested_instances_i (1'b0),
     .config_address_bits_i (6'(AddressWidth - 32)), .memory_bytes_i (BeatBytes),
-        .cache_bytes_i (CacheBytes),
+    .cache_bytes_i (CacheBytes),
     .status_idle_i (is_idle), .status_busy_i (~is_idle), .status_memory_timed_out_i (timed_out),
     .status_error_i (error), .ray_head_i (ray_head), .hit_tail_i (hit_tail),
     .interrupt_status_hits_i (enable && unread != 32'd0 && unread >= interrupt_hits),

@@ -22,466 +22,106 @@ module raypath_div_pipelined_e8s24_l11_tagged #(
   output logic [Width-1:0] tag_o
 );
 
-  logic advance;
-  logic valid_11_q;
+  localparam logic [31:0] Parts     = 11;
+  localparam logic [31:0] RestWidth = 25;
+  // The digits that are known after each part but the last, 8 bits each, the first part lowest.
+  localparam logic [8*Parts-9:0] Known = {8'd26, 8'd23, 8'd20, 8'd18, 8'd15, 8'd13, 8'd10, 8'd7,
+      8'd5, 8'd2};
 
-  assign advance = ~valid_11_q | ready_i;
+  logic                   advance;
+  logic [Parts-1:0]       valid_q;
+  logic [Parts*Width-1:0] tags_q;
+  logic [32:0]            result;
+  logic [32:0]            result_q;
 
-  // ---- Part 1 ---------------------------------------------------------------
-  logic             valid_1_q;
-  logic [Width-1:0] tag_1_q;
-  logic [1:0]       part_1_digits;
-  logic [24:0]      part_1_remainder;
-  logic [8:0]       part_1_exponent;
-  logic             part_1_settled;
-  logic             part_1_sign;
-  logic [22:0]      part_1_divisor;
-  logic [1:0]       digits_1_q;
-  logic [24:0]      remainder_1_q;
-  logic [8:0]       exponent_1_q;
-  logic             settled_1_q;
-  logic             sign_1_q;
-  logic [22:0]      divisor_1_q;
-
-  raypath_fp_div_e8s24_part_1_of_11 u_part_1 (
-    .a_i, .b_i, .digits_o (part_1_digits), .remainder_o (part_1_remainder),
-    .exponent_o (part_1_exponent), .settled_o (part_1_settled), .sign_o (part_1_sign),
-    .divisor_o (part_1_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_1_q <= 1'b0;
-    end else if (advance) begin
-      valid_1_q <= valid_i;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_1_q       <= tag_i;
-      digits_1_q    <= part_1_digits;
-      remainder_1_q <= part_1_remainder;
-      exponent_1_q  <= part_1_exponent;
-      settled_1_q   <= part_1_settled;
-      sign_1_q      <= part_1_sign;
-      divisor_1_q   <= part_1_divisor;
-    end
-  end
-
-  // ---- Part 2 ---------------------------------------------------------------
-  logic             valid_2_q;
-  logic [Width-1:0] tag_2_q;
-  logic [4:0]       part_2_digits;
-  logic [24:0]      part_2_remainder;
-  logic [8:0]       part_2_exponent;
-  logic             part_2_settled;
-  logic             part_2_sign;
-  logic [22:0]      part_2_divisor;
-  logic [4:0]       digits_2_q;
-  logic [24:0]      remainder_2_q;
-  logic [8:0]       exponent_2_q;
-  logic             settled_2_q;
-  logic             sign_2_q;
-  logic [22:0]      divisor_2_q;
-
-  raypath_fp_div_e8s24_part_2_of_11 u_part_2 (
-    .digits_i (digits_1_q), .remainder_i (remainder_1_q), .exponent_i (exponent_1_q),
-    .settled_i (settled_1_q), .sign_i (sign_1_q), .divisor_i (divisor_1_q),
-    .digits_o (part_2_digits), .remainder_o (part_2_remainder), .exponent_o (part_2_exponent),
-    .settled_o (part_2_settled), .sign_o (part_2_sign), .divisor_o (part_2_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_2_q <= 1'b0;
-    end else if (advance) begin
-      valid_2_q <= valid_1_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_2_q       <= tag_1_q;
-      digits_2_q    <= part_2_digits;
-      remainder_2_q <= part_2_remainder;
-      exponent_2_q  <= part_2_exponent;
-      settled_2_q   <= part_2_settled;
-      sign_2_q      <= part_2_sign;
-      divisor_2_q   <= part_2_divisor;
-    end
-  end
-
-  // ---- Part 3 ---------------------------------------------------------------
-  logic             valid_3_q;
-  logic [Width-1:0] tag_3_q;
-  logic [6:0]       part_3_digits;
-  logic [24:0]      part_3_remainder;
-  logic [8:0]       part_3_exponent;
-  logic             part_3_settled;
-  logic             part_3_sign;
-  logic [22:0]      part_3_divisor;
-  logic [6:0]       digits_3_q;
-  logic [24:0]      remainder_3_q;
-  logic [8:0]       exponent_3_q;
-  logic             settled_3_q;
-  logic             sign_3_q;
-  logic [22:0]      divisor_3_q;
-
-  raypath_fp_div_e8s24_part_3_of_11 u_part_3 (
-    .digits_i (digits_2_q), .remainder_i (remainder_2_q), .exponent_i (exponent_2_q),
-    .settled_i (settled_2_q), .sign_i (sign_2_q), .divisor_i (divisor_2_q),
-    .digits_o (part_3_digits), .remainder_o (part_3_remainder), .exponent_o (part_3_exponent),
-    .settled_o (part_3_settled), .sign_o (part_3_sign), .divisor_o (part_3_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_3_q <= 1'b0;
-    end else if (advance) begin
-      valid_3_q <= valid_2_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_3_q       <= tag_2_q;
-      digits_3_q    <= part_3_digits;
-      remainder_3_q <= part_3_remainder;
-      exponent_3_q  <= part_3_exponent;
-      settled_3_q   <= part_3_settled;
-      sign_3_q      <= part_3_sign;
-      divisor_3_q   <= part_3_divisor;
-    end
-  end
-
-  // ---- Part 4 ---------------------------------------------------------------
-  logic             valid_4_q;
-  logic [Width-1:0] tag_4_q;
-  logic [9:0]       part_4_digits;
-  logic [24:0]      part_4_remainder;
-  logic [8:0]       part_4_exponent;
-  logic             part_4_settled;
-  logic             part_4_sign;
-  logic [22:0]      part_4_divisor;
-  logic [9:0]       digits_4_q;
-  logic [24:0]      remainder_4_q;
-  logic [8:0]       exponent_4_q;
-  logic             settled_4_q;
-  logic             sign_4_q;
-  logic [22:0]      divisor_4_q;
-
-  raypath_fp_div_e8s24_part_4_of_11 u_part_4 (
-    .digits_i (digits_3_q), .remainder_i (remainder_3_q), .exponent_i (exponent_3_q),
-    .settled_i (settled_3_q), .sign_i (sign_3_q), .divisor_i (divisor_3_q),
-    .digits_o (part_4_digits), .remainder_o (part_4_remainder), .exponent_o (part_4_exponent),
-    .settled_o (part_4_settled), .sign_o (part_4_sign), .divisor_o (part_4_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_4_q <= 1'b0;
-    end else if (advance) begin
-      valid_4_q <= valid_3_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_4_q       <= tag_3_q;
-      digits_4_q    <= part_4_digits;
-      remainder_4_q <= part_4_remainder;
-      exponent_4_q  <= part_4_exponent;
-      settled_4_q   <= part_4_settled;
-      sign_4_q      <= part_4_sign;
-      divisor_4_q   <= part_4_divisor;
-    end
-  end
-
-  // ---- Part 5 ---------------------------------------------------------------
-  logic             valid_5_q;
-  logic [Width-1:0] tag_5_q;
-  logic [12:0]      part_5_digits;
-  logic [24:0]      part_5_remainder;
-  logic [8:0]       part_5_exponent;
-  logic             part_5_settled;
-  logic             part_5_sign;
-  logic [22:0]      part_5_divisor;
-  logic [12:0]      digits_5_q;
-  logic [24:0]      remainder_5_q;
-  logic [8:0]       exponent_5_q;
-  logic             settled_5_q;
-  logic             sign_5_q;
-  logic [22:0]      divisor_5_q;
-
-  raypath_fp_div_e8s24_part_5_of_11 u_part_5 (
-    .digits_i (digits_4_q), .remainder_i (remainder_4_q), .exponent_i (exponent_4_q),
-    .settled_i (settled_4_q), .sign_i (sign_4_q), .divisor_i (divisor_4_q),
-    .digits_o (part_5_digits), .remainder_o (part_5_remainder), .exponent_o (part_5_exponent),
-    .settled_o (part_5_settled), .sign_o (part_5_sign), .divisor_o (part_5_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_5_q <= 1'b0;
-    end else if (advance) begin
-      valid_5_q <= valid_4_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_5_q       <= tag_4_q;
-      digits_5_q    <= part_5_digits;
-      remainder_5_q <= part_5_remainder;
-      exponent_5_q  <= part_5_exponent;
-      settled_5_q   <= part_5_settled;
-      sign_5_q      <= part_5_sign;
-      divisor_5_q   <= part_5_divisor;
-    end
-  end
-
-  // ---- Part 6 ---------------------------------------------------------------
-  logic             valid_6_q;
-  logic [Width-1:0] tag_6_q;
-  logic [14:0]      part_6_digits;
-  logic [24:0]      part_6_remainder;
-  logic [8:0]       part_6_exponent;
-  logic             part_6_settled;
-  logic             part_6_sign;
-  logic [22:0]      part_6_divisor;
-  logic [14:0]      digits_6_q;
-  logic [24:0]      remainder_6_q;
-  logic [8:0]       exponent_6_q;
-  logic             settled_6_q;
-  logic             sign_6_q;
-  logic [22:0]      divisor_6_q;
-
-  raypath_fp_div_e8s24_part_6_of_11 u_part_6 (
-    .digits_i (digits_5_q), .remainder_i (remainder_5_q), .exponent_i (exponent_5_q),
-    .settled_i (settled_5_q), .sign_i (sign_5_q), .divisor_i (divisor_5_q),
-    .digits_o (part_6_digits), .remainder_o (part_6_remainder), .exponent_o (part_6_exponent),
-    .settled_o (part_6_settled), .sign_o (part_6_sign), .divisor_o (part_6_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_6_q <= 1'b0;
-    end else if (advance) begin
-      valid_6_q <= valid_5_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_6_q       <= tag_5_q;
-      digits_6_q    <= part_6_digits;
-      remainder_6_q <= part_6_remainder;
-      exponent_6_q  <= part_6_exponent;
-      settled_6_q   <= part_6_settled;
-      sign_6_q      <= part_6_sign;
-      divisor_6_q   <= part_6_divisor;
-    end
-  end
-
-  // ---- Part 7 ---------------------------------------------------------------
-  logic             valid_7_q;
-  logic [Width-1:0] tag_7_q;
-  logic [17:0]      part_7_digits;
-  logic [24:0]      part_7_remainder;
-  logic [8:0]       part_7_exponent;
-  logic             part_7_settled;
-  logic             part_7_sign;
-  logic [22:0]      part_7_divisor;
-  logic [17:0]      digits_7_q;
-  logic [24:0]      remainder_7_q;
-  logic [8:0]       exponent_7_q;
-  logic             settled_7_q;
-  logic             sign_7_q;
-  logic [22:0]      divisor_7_q;
-
-  raypath_fp_div_e8s24_part_7_of_11 u_part_7 (
-    .digits_i (digits_6_q), .remainder_i (remainder_6_q), .exponent_i (exponent_6_q),
-    .settled_i (settled_6_q), .sign_i (sign_6_q), .divisor_i (divisor_6_q),
-    .digits_o (part_7_digits), .remainder_o (part_7_remainder), .exponent_o (part_7_exponent),
-    .settled_o (part_7_settled), .sign_o (part_7_sign), .divisor_o (part_7_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_7_q <= 1'b0;
-    end else if (advance) begin
-      valid_7_q <= valid_6_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_7_q       <= tag_6_q;
-      digits_7_q    <= part_7_digits;
-      remainder_7_q <= part_7_remainder;
-      exponent_7_q  <= part_7_exponent;
-      settled_7_q   <= part_7_settled;
-      sign_7_q      <= part_7_sign;
-      divisor_7_q   <= part_7_divisor;
-    end
-  end
-
-  // ---- Part 8 ---------------------------------------------------------------
-  logic             valid_8_q;
-  logic [Width-1:0] tag_8_q;
-  logic [19:0]      part_8_digits;
-  logic [24:0]      part_8_remainder;
-  logic [8:0]       part_8_exponent;
-  logic             part_8_settled;
-  logic             part_8_sign;
-  logic [22:0]      part_8_divisor;
-  logic [19:0]      digits_8_q;
-  logic [24:0]      remainder_8_q;
-  logic [8:0]       exponent_8_q;
-  logic             settled_8_q;
-  logic             sign_8_q;
-  logic [22:0]      divisor_8_q;
-
-  raypath_fp_div_e8s24_part_8_of_11 u_part_8 (
-    .digits_i (digits_7_q), .remainder_i (remainder_7_q), .exponent_i (exponent_7_q),
-    .settled_i (settled_7_q), .sign_i (sign_7_q), .divisor_i (divisor_7_q),
-    .digits_o (part_8_digits), .remainder_o (part_8_remainder), .exponent_o (part_8_exponent),
-    .settled_o (part_8_settled), .sign_o (part_8_sign), .divisor_o (part_8_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_8_q <= 1'b0;
-    end else if (advance) begin
-      valid_8_q <= valid_7_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_8_q       <= tag_7_q;
-      digits_8_q    <= part_8_digits;
-      remainder_8_q <= part_8_remainder;
-      exponent_8_q  <= part_8_exponent;
-      settled_8_q   <= part_8_settled;
-      sign_8_q      <= part_8_sign;
-      divisor_8_q   <= part_8_divisor;
-    end
-  end
-
-  // ---- Part 9 ---------------------------------------------------------------
-  logic             valid_9_q;
-  logic [Width-1:0] tag_9_q;
-  logic [22:0]      part_9_digits;
-  logic [24:0]      part_9_remainder;
-  logic [8:0]       part_9_exponent;
-  logic             part_9_settled;
-  logic             part_9_sign;
-  logic [22:0]      part_9_divisor;
-  logic [22:0]      digits_9_q;
-  logic [24:0]      remainder_9_q;
-  logic [8:0]       exponent_9_q;
-  logic             settled_9_q;
-  logic             sign_9_q;
-  logic [22:0]      divisor_9_q;
-
-  raypath_fp_div_e8s24_part_9_of_11 u_part_9 (
-    .digits_i (digits_8_q), .remainder_i (remainder_8_q), .exponent_i (exponent_8_q),
-    .settled_i (settled_8_q), .sign_i (sign_8_q), .divisor_i (divisor_8_q),
-    .digits_o (part_9_digits), .remainder_o (part_9_remainder), .exponent_o (part_9_exponent),
-    .settled_o (part_9_settled), .sign_o (part_9_sign), .divisor_o (part_9_divisor)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_9_q <= 1'b0;
-    end else if (advance) begin
-      valid_9_q <= valid_8_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_9_q       <= tag_8_q;
-      digits_9_q    <= part_9_digits;
-      remainder_9_q <= part_9_remainder;
-      exponent_9_q  <= part_9_exponent;
-      settled_9_q   <= part_9_settled;
-      sign_9_q      <= part_9_sign;
-      divisor_9_q   <= part_9_divisor;
-    end
-  end
-
-  // ---- Part 10 --------------------------------------------------------------
-  logic             valid_10_q;
-  logic [Width-1:0] tag_10_q;
-  logic [25:0]      part_10_digits;
-  logic [24:0]      part_10_remainder;
-  logic [8:0]       part_10_exponent;
-  logic             part_10_settled;
-  logic             part_10_sign;
-  logic [25:0]      digits_10_q;
-  logic [24:0]      remainder_10_q;
-  logic [8:0]       exponent_10_q;
-  logic             settled_10_q;
-  logic             sign_10_q;
-
-  raypath_fp_div_e8s24_part_10_of_11 u_part_10 (
-    .digits_i (digits_9_q), .remainder_i (remainder_9_q), .exponent_i (exponent_9_q),
-    .settled_i (settled_9_q), .sign_i (sign_9_q), .divisor_i (divisor_9_q),
-    .digits_o (part_10_digits), .remainder_o (part_10_remainder), .exponent_o (part_10_exponent),
-    .settled_o (part_10_settled), .sign_o (part_10_sign)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_10_q <= 1'b0;
-    end else if (advance) begin
-      valid_10_q <= valid_9_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_10_q       <= tag_9_q;
-      digits_10_q    <= part_10_digits;
-      remainder_10_q <= part_10_remainder;
-      exponent_10_q  <= part_10_exponent;
-      settled_10_q   <= part_10_settled;
-      sign_10_q      <= part_10_sign;
-    end
-  end
-
-  // ---- Part 11 --------------------------------------------------------------
-  logic [Width-1:0] tag_11_q;
-  logic [32:0]      part_11_result;
-  logic [32:0]      result_11_q;
-
-  raypath_fp_div_e8s24_part_11_of_11 u_part_11 (
-    .digits_i (digits_10_q), .remainder_i (remainder_10_q), .exponent_i (exponent_10_q),
-    .settled_i (settled_10_q), .sign_i (sign_10_q), .result_o (part_11_result)
-  );
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_11_q <= 1'b0;
-    end else if (advance) begin
-      valid_11_q <= valid_10_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (advance) begin
-      tag_11_q    <= tag_10_q;
-      result_11_q <= part_11_result;
-    end
-  end
-
-  // ---- Outputs --------------------------------------------------------------
+  // A result that waits stops all parts.
+  assign advance  = ~valid_q[Parts-1] | ready_i;
   assign ready_o  = advance;
-  assign valid_o  = valid_11_q;
-  assign result_o = result_11_q;
-  assign tag_o    = tag_11_q;
+  assign valid_o  = valid_q[Parts-1];
+  assign result_o = result_q;
+  assign tag_o    = tags_q[Parts*Width-1-:Width];
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) valid_q <= '0;
+    else if (advance) valid_q <= {valid_q[Parts-2:0], valid_i};
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (advance) begin
+      tags_q   <= {tags_q[(Parts-1)*Width-1:0], tag_i};
+      result_q <= result;
+    end
+  end
+
+  // The first part has the class and the exponent. Each has some digits: what remains of the
+  // dividend, less the divisor, is negative or not.
+  for (genvar k = 0; k < Parts - 1; k++) begin : g_parts
+    localparam logic [31:0] Count = 32'(Known[8*k+:8]);
+    logic [Count-1:0]     digits;
+    logic [RestWidth-1:0] remainder;
+    logic [8:0]           exponent;
+    logic                 settled;
+    logic                 sign;
+    logic [22:0]          divisor;
+    logic [Count-1:0]     digits_q;
+    logic [RestWidth-1:0] remainder_q;
+    logic [8:0]           exponent_q;
+    logic                 settled_q;
+    logic                 sign_q;
+
+    if (k == 0) begin : g_first
+      raypath_fp_div_e8s24_part_1_of_11 u_first (
+        .a_i, .b_i, .digits_o (digits), .remainder_o (remainder), .exponent_o (exponent),
+        .settled_o (settled), .sign_o (sign), .divisor_o (divisor)
+      );
+    end else begin : g_digits
+      localparam logic [31:0] Before = 32'(Known[8*(k-1)+:8]);
+      localparam logic [31:0] More   = Count - Before;
+      logic [RestWidth-1:0] difference;
+
+      assign exponent = g_parts[k-1].exponent_q;
+      assign settled  = g_parts[k-1].settled_q;
+      assign sign     = g_parts[k-1].sign_q;
+      assign divisor  = g_parts[k-1].g_divisor.divisor_q;
+
+      always_comb begin
+        digits     = {g_parts[k-1].digits_q, More'(0)};
+        remainder  = g_parts[k-1].remainder_q;
+        difference = '0;
+        for (int unsigned d = 0; d < More; d++) begin
+          difference       = remainder - {2'd1, divisor};
+          digits[More-1-d] = ~difference[RestWidth-1];
+          remainder        = {difference[RestWidth-1] ? remainder[RestWidth-2:0]
+                           : difference[RestWidth-2:0], 1'b0};
+        end
+      end
+    end
+
+    always_ff @(posedge clk_i) begin
+      if (advance) begin
+        digits_q    <= digits;
+        remainder_q <= remainder;
+        exponent_q  <= exponent;
+        settled_q   <= settled;
+        sign_q      <= sign;
+      end
+    end
+
+    if (k < Parts - 2) begin : g_divisor
+      logic [22:0] divisor_q;
+      always_ff @(posedge clk_i) begin
+        if (advance) divisor_q <= divisor;
+      end
+    end else begin : g_last
+      logic unused_divisor;
+      assign unused_divisor = ^divisor;
+    end
+  end
+
+  raypath_fp_div_e8s24_part_11_of_11 u_last (
+    .digits_i (g_parts[Parts-2].digits_q), .remainder_i (g_parts[Parts-2].remainder_q),
+    .exponent_i (g_parts[Parts-2].exponent_q), .settled_i (g_parts[Parts-2].settled_q),
+    .sign_i (g_parts[Parts-2].sign_q), .result_o (result)
+  );
 
 endmodule : raypath_div_pipelined_e8s24_l11_tagged

@@ -46,15 +46,11 @@ module raypath_skid #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (arrives) begin
-      data_spare_q <= data_i;
-    end
+    if (arrives) data_spare_q <= data_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (load_front) begin
-      data_q <= arrives ? data_i : data_spare_q;
-    end
+    if (load_front) data_q <= arrives ? data_i : data_spare_q;
   end
 
   assign ready_o = spare_empty_q;

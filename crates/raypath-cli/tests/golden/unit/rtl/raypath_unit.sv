@@ -87,151 +87,64 @@ module raypath_unit #(
     $error("IdWidth is %0d, expected 1 to 64", IdWidth);
   end
 
-  logic                    flushes_q;
-  logic                    start_taken;
-  logic                    block_taken;
-  logic                    fault_taken;
-  logic                    releases;
-  logic                    take;
-  logic                    limits_read;
-  logic                    step_read;
+  logic                     flushes_q;
+  logic                     start_taken;
+  logic                     block_taken;
+  logic                     fault_taken;
+  logic                     releases;
+  logic                     take;
+  logic                     limits_read;
+  logic                     step_read;
   // what is kept of a fetch is there before its request, and so before its block
-  logic                    fetches;
-  logic                    job_ready;
-  logic [ContextWidth-1:0] hit_context;
-  logic [ContextWidth-1:0] take_context;
-  logic [ContextWidth-1:0] limits_context;
-  logic [ContextWidth-1:0] step_context;
-  logic [ContextWidth-1:0] fetch_context;
-  logic [1:0]              fetch_count;
-  logic [31:0]             fetch_extent;
-  logic                    issue_take;
-  logic [ContextWidth-1:0] issue_take_context;
-  logic                    datapath_input_ready;
-  logic                    distance_read;
-  logic [ContextWidth-1:0] distance_read_context;
-  logic                    walk_block_taken;
-  logic                    walk_fault_taken;
-  logic                    walk_start_taken;
-  logic                    walk_read;
-  logic [ContextWidth-1:0] walk_read_context;
-  logic                    walk_fetches;
-  logic [ContextWidth-1:0] walk_context;
-  logic [1:0]              walk_count;
-  logic [31:0]             walk_next_extent;
-  logic                    hits_release;
-  logic [ContextWidth-1:0] hits_context;
-  logic                    idle;
+  logic                     fetches;
+  logic                     job_ready;
+  logic [ContextWidth-1:0]  hit_context;
+  logic [ContextWidth-1:0]  take_context;
+  logic [ContextWidth-1:0]  limits_context;
+  logic [ContextWidth-1:0]  step_context;
+  logic [ContextWidth-1:0]  fetch_context;
+  logic [1:0]               fetch_count;
+  logic [31:0]              fetch_extent;
+  raypath_unit_pkg::ended_t walk_next;
 
-  assign start_taken    = walk_start_taken;
-  assign block_taken    = walk_block_taken;
-  assign fault_taken    = walk_fault_taken;
-  assign releases       = hits_release;
-  assign take           = issue_take;
-  assign limits_read    = distance_read;
-  assign step_read      = walk_read;
-  assign fetches        = walk_fetches;
-  assign job_ready      = datapath_input_ready;
-  assign hit_context    = hits_context;
-  assign take_context   = issue_take_context;
-  assign limits_context = distance_read_context;
-  assign step_context   = walk_read_context;
-  assign fetch_context  = walk_context;
-  assign fetch_count    = walk_count;
-  assign fetch_extent   = walk_next_extent;
+  assign fetch_extent = walk_next.extent;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      flushes_q <= 1'b0;
-    end else begin
-      flushes_q <= flush_i | (flushes_q & ~idle);
-    end
+    if (!rst_ni) flushes_q <= 1'b0;
+    else flushes_q <= flush_i | (flushes_q & ~idle_o);
   end
 
   // ---- Rays -----------------------------------------------------------------
-  logic                    rays_ready;
-  logic                    rays_is_idle;
-  logic                    rays_start_valid;
-  logic [ContextWidth-1:0] rays_start_context;
-  logic                    rays_start_is_refused;
-  logic [31:0]             rays_limits_t_min;
-  logic                    rays_limits_culls_clockwise;
-  logic                    rays_limits_culls_counter_clockwise;
-  logic [31:0]             rays_job_origin_x;
-  logic [31:0]             rays_job_origin_y;
-  logic [31:0]             rays_job_origin_z;
-  logic [31:0]             rays_job_inv_x;
-  logic [31:0]             rays_job_inv_y;
-  logic [31:0]             rays_job_inv_z;
-  logic [31:0]             rays_job_shear_x;
-  logic [31:0]             rays_job_shear_y;
-  logic [31:0]             rays_job_shear_z;
-  logic [1:0]              rays_job_kx;
-  logic [1:0]              rays_job_ky;
-  logic [1:0]              rays_job_kz;
-  logic [31:0]             rays_begin_root;
-  logic [31:0]             rays_begin_t_max;
-  logic                    rays_begin_any_hit;
+  logic                         rays_ready;
+  logic                         rays_is_idle;
+  logic                         rays_start_valid;
+  logic [ContextWidth-1:0]      rays_start_context;
+  logic                         rays_start_is_refused;
+  raypath_unit_pkg::limits_t    rays_limits;
+  raypath_unit_pkg::vector_t    rays_job_origin;
+  raypath_unit_pkg::constants_t rays_job;
+  raypath_unit_pkg::begin_t     rays_begin;
 
   raypath_unit_rays #(.Contexts (Contexts), .IdWidth (IdWidth)) u_rays (
-    .clk_i, .rst_ni, .valid_i (ray_valid_i & ~flushes_q), .entry_origin_x_i (ray_origin_x_i),
-    .entry_origin_y_i (ray_origin_y_i), .entry_origin_z_i (ray_origin_z_i),
-    .entry_dir_x_i (ray_dir_x_i), .entry_dir_y_i (ray_dir_y_i), .entry_dir_z_i (ray_dir_z_i),
-    .entry_t_min_i (ray_tmin_i), .entry_t_max_i (ray_tmax_i), .id_i (ray_id_i),
-    .flags_i (ray_flags_i), .root_i (ray_root_i), .start_taken_i (start_taken),
+    .clk_i, .rst_ni, .valid_i (ray_valid_i & ~flushes_q),
+    .entry_i ({ray_origin_x_i, ray_origin_y_i, ray_origin_z_i, ray_dir_x_i, ray_dir_y_i,
+        ray_dir_z_i, ray_tmin_i, ray_tmax_i}),
+    .id_i (ray_id_i), .flags_i (ray_flags_i), .root_i (ray_root_i), .start_taken_i (start_taken),
     .release_i (releases), .hit_context_i (hit_context), .job_read_i (take),
     .job_context_i (take_context), .limits_read_i (limits_read), .limits_context_i (limits_context),
     .step_read_i (step_read), .step_context_i (step_context), .ready_o (rays_ready),
     .is_idle_o (rays_is_idle), .start_valid_o (rays_start_valid),
     .start_context_o (rays_start_context), .start_is_refused_o (rays_start_is_refused),
-    .id_o (hit_id_o), .limits_t_min_o (rays_limits_t_min),
-    .limits_culls_clockwise_o (rays_limits_culls_clockwise),
-    .limits_culls_counter_clockwise_o (rays_limits_culls_counter_clockwise),
-    .job_origin_x_o (rays_job_origin_x), .job_origin_y_o (rays_job_origin_y),
-    .job_origin_z_o (rays_job_origin_z), .job_inv_x_o (rays_job_inv_x),
-    .job_inv_y_o (rays_job_inv_y), .job_inv_z_o (rays_job_inv_z), .job_shear_x_o (rays_job_shear_x),
-    .job_shear_y_o (rays_job_shear_y), .job_shear_z_o (rays_job_shear_z), .job_kx_o (rays_job_kx),
-    .job_ky_o (rays_job_ky), .job_kz_o (rays_job_kz), .begin_root_o (rays_begin_root),
-    .begin_t_max_o (rays_begin_t_max), .begin_any_hit_o (rays_begin_any_hit)
+    .id_o (hit_id_o), .limits_o (rays_limits), .job_origin_o (rays_job_origin), .job_o (rays_job),
+    .begin_o (rays_begin)
   );
 
   // ---- Blocks and their jobs ------------------------------------------------
   logic                    blocks_arrived;
   logic                    blocks_failed;
-  logic [31:0]             blocks_word_0;
-  logic [31:0]             blocks_word_1;
-  logic [31:0]             blocks_word_2;
-  logic [31:0]             blocks_word_3;
-  logic [31:0]             blocks_word_4;
-  logic [31:0]             blocks_word_5;
-  logic [31:0]             blocks_word_6;
-  logic [31:0]             blocks_word_7;
-  logic [31:0]             blocks_word_8;
-  logic [31:0]             blocks_word_9;
-  logic [31:0]             blocks_word_10;
-  logic [31:0]             blocks_word_11;
-  logic [31:0]             blocks_word_12;
-  logic [31:0]             blocks_word_13;
-  logic [31:0]             blocks_word_14;
-  logic [31:0]             blocks_word_15;
-  logic [31:0]             blocks_word_16;
-  logic [31:0]             blocks_word_17;
-  logic [31:0]             blocks_word_18;
-  logic [31:0]             blocks_word_19;
-  logic [31:0]             blocks_word_20;
-  logic [31:0]             blocks_word_21;
-  logic [31:0]             blocks_word_22;
-  logic [31:0]             blocks_word_23;
-  logic [31:0]             blocks_word_24;
-  logic [31:0]             blocks_word_25;
-  logic [31:0]             blocks_word_26;
-  logic [31:0]             blocks_child_0;
-  logic [31:0]             blocks_child_1;
-  logic [31:0]             blocks_child_2;
-  logic [31:0]             blocks_child_3;
-  logic [31:0]             blocks_index_0;
-  logic [31:0]             blocks_index_1;
-  logic [31:0]             blocks_index_2;
+  logic [863:0]            blocks_word;
+  logic [127:0]            blocks_child;
+  logic [95:0]             blocks_index;
   logic [1:0]              fetched_count;
   logic [31:0]             fetched_extent;
   logic                    issue_offer;
@@ -240,33 +153,15 @@ module raypath_unit #(
   logic                    issue_is_node;
   logic [1:0]              issue_place;
   logic                    issue_is_last;
-  logic [31:0]             issue_triangle_0;
-  logic [31:0]             issue_triangle_1;
-  logic [31:0]             issue_triangle_2;
-  logic [31:0]             issue_triangle_3;
-  logic [31:0]             issue_triangle_4;
-  logic [31:0]             issue_triangle_5;
-  logic [31:0]             issue_triangle_6;
-  logic [31:0]             issue_triangle_7;
-  logic [31:0]             issue_triangle_8;
+  logic [287:0]            issue_triangle;
 
   raypath_unit_blocks #(.Contexts (Contexts)) u_blocks (
     .clk_i, .rst_ni, .valid_i (mem_rsp_valid_i), .context_i (mem_rsp_tag_i),
     .error_i (mem_rsp_error_i), .data_i (mem_rsp_data_i), .job_read_i (take),
     .job_context_i (take_context), .child_read_i (step_read), .child_context_i (step_context),
     .index_read_i (limits_read), .index_context_i (limits_context), .arrived_o (blocks_arrived),
-    .failed_o (blocks_failed), .word_0_o (blocks_word_0), .word_1_o (blocks_word_1),
-    .word_2_o (blocks_word_2), .word_3_o (blocks_word_3), .word_4_o (blocks_word_4),
-    .word_5_o (blocks_word_5), .word_6_o (blocks_word_6), .word_7_o (blocks_word_7),
-    .word_8_o (blocks_word_8), .word_9_o (blocks_word_9), .word_10_o (blocks_word_10),
-    .word_11_o (blocks_word_11), .word_12_o (blocks_word_12), .word_13_o (blocks_word_13),
-    .word_14_o (blocks_word_14), .word_15_o (blocks_word_15), .word_16_o (blocks_word_16),
-    .word_17_o (blocks_word_17), .word_18_o (blocks_word_18), .word_19_o (blocks_word_19),
-    .word_20_o (blocks_word_20), .word_21_o (blocks_word_21), .word_22_o (blocks_word_22),
-    .word_23_o (blocks_word_23), .word_24_o (blocks_word_24), .word_25_o (blocks_word_25),
-    .word_26_o (blocks_word_26), .child_0_o (blocks_child_0), .child_1_o (blocks_child_1),
-    .child_2_o (blocks_child_2), .child_3_o (blocks_child_3), .index_0_o (blocks_index_0),
-    .index_1_o (blocks_index_1), .index_2_o (blocks_index_2)
+    .failed_o (blocks_failed), .word_o (blocks_word), .child_o (blocks_child),
+    .index_o (blocks_index)
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (34)) u_fetched (
@@ -277,24 +172,11 @@ module raypath_unit #(
 
   raypath_unit_issue #(.Contexts (Contexts)) u_issue (
     .clk_i, .rst_ni, .arrived_i (blocks_arrived), .arrived_failed_i (blocks_failed),
-    .arrived_context_i (mem_rsp_tag_i), .count_i (fetched_count), .word_0_i (blocks_word_0),
-    .word_1_i (blocks_word_1), .word_2_i (blocks_word_2), .word_3_i (blocks_word_3),
-    .word_4_i (blocks_word_4), .word_5_i (blocks_word_5), .word_6_i (blocks_word_6),
-    .word_7_i (blocks_word_7), .word_8_i (blocks_word_8), .word_9_i (blocks_word_9),
-    .word_10_i (blocks_word_10), .word_11_i (blocks_word_11), .word_12_i (blocks_word_12),
-    .word_13_i (blocks_word_13), .word_14_i (blocks_word_14), .word_15_i (blocks_word_15),
-    .word_16_i (blocks_word_16), .word_17_i (blocks_word_17), .word_18_i (blocks_word_18),
-    .word_19_i (blocks_word_19), .word_20_i (blocks_word_20), .word_21_i (blocks_word_21),
-    .word_22_i (blocks_word_22), .word_23_i (blocks_word_23), .word_24_i (blocks_word_24),
-    .word_25_i (blocks_word_25), .word_26_i (blocks_word_26), .ready_i (job_ready),
-    .fault_taken_i (fault_taken), .take_o (issue_take), .take_context_o (issue_take_context),
-    .offer_o (issue_offer), .fault_valid_o (issue_fault_valid), .context_o (issue_context),
-    .is_node_o (issue_is_node), .place_o (issue_place), .is_last_o (issue_is_last),
-    .triangle_0_o (issue_triangle_0), .triangle_1_o (issue_triangle_1),
-    .triangle_2_o (issue_triangle_2), .triangle_3_o (issue_triangle_3),
-    .triangle_4_o (issue_triangle_4), .triangle_5_o (issue_triangle_5),
-    .triangle_6_o (issue_triangle_6), .triangle_7_o (issue_triangle_7),
-    .triangle_8_o (issue_triangle_8)
+    .arrived_context_i (mem_rsp_tag_i), .count_i (fetched_count), .word_i (blocks_word),
+    .ready_i (job_ready), .fault_taken_i (fault_taken), .take_o (take),
+    .take_context_o (take_context), .offer_o (issue_offer), .fault_valid_o (issue_fault_valid),
+    .context_o (issue_context), .is_node_o (issue_is_node), .place_o (issue_place),
+    .is_last_o (issue_is_last), .triangle_o (issue_triangle)
   );
 
   // ---- The datapath ---------------------------------------------------------
@@ -304,10 +186,7 @@ module raypath_unit #(
   logic [1:0]              job_opcode;
   logic                    datapath_output_valid;
   logic [1:0]              datapath_opcode;
-  logic [1:0]              datapath_box_index_0;
-  logic [1:0]              datapath_box_index_1;
-  logic [1:0]              datapath_box_index_2;
-  logic [1:0]              datapath_box_index_3;
+  logic [7:0]              datapath_box_index;
   logic                    datapath_facing;
   logic [3:0]              datapath_is_intersect;
   logic [31:0]             datapath_t_denom;
@@ -322,7 +201,6 @@ module raypath_unit #(
   logic                    is_boxes;
   logic [ContextWidth-1:0] outcome_context;
   logic                    job_enters;
-  logic                    other_enters;
   logic                    distance_ready;
 
   always_comb begin
@@ -337,79 +215,62 @@ module raypath_unit #(
 
   raypath u_datapath (
     .clk_i, .rst_ni, .input_valid_i (issue_offer), .opcode_i (job_opcode),
-    .output_ready_i (outcome_ready), .ray_origin_x_i (rays_job_origin_x),
-    .ray_origin_y_i (rays_job_origin_y), .ray_origin_z_i (rays_job_origin_z), .ray_dir_x_i (32'd0),
-    .ray_dir_y_i (32'd0), .ray_dir_z_i (32'd0), .ray_inv_x_i (rays_job_inv_x),
-    .ray_inv_y_i (rays_job_inv_y), .ray_inv_z_i (rays_job_inv_z), .ray_extent_i (fetched_extent),
-    .ray_shear_x_i (rays_job_shear_x), .ray_shear_y_i (rays_job_shear_y),
-    .ray_shear_z_i (rays_job_shear_z), .ray_kx_i (rays_job_kx), .ray_ky_i (rays_job_ky),
-    .ray_kz_i (rays_job_kz), .aabb_0_x_min_i (blocks_word_0), .aabb_0_x_max_i (blocks_word_3),
-    .aabb_0_y_min_i (blocks_word_1), .aabb_0_y_max_i (blocks_word_4),
-    .aabb_0_z_min_i (blocks_word_2), .aabb_0_z_max_i (blocks_word_5),
-    .aabb_1_x_min_i (blocks_word_6), .aabb_1_x_max_i (blocks_word_9),
-    .aabb_1_y_min_i (blocks_word_7), .aabb_1_y_max_i (blocks_word_10),
-    .aabb_1_z_min_i (blocks_word_8), .aabb_1_z_max_i (blocks_word_11),
-    .aabb_2_x_min_i (blocks_word_12), .aabb_2_x_max_i (blocks_word_15),
-    .aabb_2_y_min_i (blocks_word_13), .aabb_2_y_max_i (blocks_word_16),
-    .aabb_2_z_min_i (blocks_word_14), .aabb_2_z_max_i (blocks_word_17),
-    .aabb_3_x_min_i (blocks_word_18), .aabb_3_x_max_i (blocks_word_21),
-    .aabb_3_y_min_i (blocks_word_19), .aabb_3_y_max_i (blocks_word_22),
-    .aabb_3_z_min_i (blocks_word_20), .aabb_3_z_max_i (blocks_word_23), .tag_i (job_tag),
-    .triangle_a_x_i (issue_triangle_0), .triangle_a_y_i (issue_triangle_1),
-    .triangle_a_z_i (issue_triangle_2), .triangle_b_x_i (issue_triangle_3),
-    .triangle_b_y_i (issue_triangle_4), .triangle_b_z_i (issue_triangle_5),
-    .triangle_c_x_i (issue_triangle_6), .triangle_c_y_i (issue_triangle_7),
-    .triangle_c_z_i (issue_triangle_8), .input_ready_o (datapath_input_ready),
+    .output_ready_i (outcome_ready), .ray_origin_x_i (rays_job_origin.x),
+    .ray_origin_y_i (rays_job_origin.y), .ray_origin_z_i (rays_job_origin.z), .ray_dir_x_i (32'd0),
+    .ray_dir_y_i (32'd0), .ray_dir_z_i (32'd0), .ray_inv_x_i (rays_job.inv.x),
+    .ray_inv_y_i (rays_job.inv.y), .ray_inv_z_i (rays_job.inv.z), .ray_extent_i (fetched_extent),
+    .ray_shear_x_i (rays_job.shear.x), .ray_shear_y_i (rays_job.shear.y),
+    .ray_shear_z_i (rays_job.shear.z), .ray_kx_i (rays_job.kx), .ray_ky_i (rays_job.ky),
+    .ray_kz_i (rays_job.kz), .aabb_0_x_min_i (blocks_word[31:0]),
+    .aabb_0_x_max_i (blocks_word[127:96]), .aabb_0_y_min_i (blocks_word[63:32]),
+    .aabb_0_y_max_i (blocks_word[159:128]), .aabb_0_z_min_i (blocks_word[95:64]),
+    .aabb_0_z_max_i (blocks_word[191:160]), .aabb_1_x_min_i (blocks_word[223:192]),
+    .aabb_1_x_max_i (blocks_word[319:288]), .aabb_1_y_min_i (blocks_word[255:224]),
+    .aabb_1_y_max_i (blocks_word[351:320]), .aabb_1_z_min_i (blocks_word[287:256]),
+    .aabb_1_z_max_i (blocks_word[383:352]), .aabb_2_x_min_i (blocks_word[415:384]),
+    .aabb_2_x_max_i (blocks_word[511:480]), .aabb_2_y_min_i (blocks_word[447:416]),
+    .aabb_2_y_max_i (blocks_word[543:512]), .aabb_2_z_min_i (blocks_word[479:448]),
+    .aabb_2_z_max_i (blocks_word[575:544]), .aabb_3_x_min_i (blocks_word[607:576]),
+    .aabb_3_x_max_i (blocks_word[703:672]), .aabb_3_y_min_i (blocks_word[639:608]),
+    .aabb_3_y_max_i (blocks_word[735:704]), .aabb_3_z_min_i (blocks_word[671:640]),
+    .aabb_3_z_max_i (blocks_word[767:736]), .tag_i (job_tag),
+    .triangle_a_x_i (issue_triangle[31:0]), .triangle_a_y_i (issue_triangle[63:32]),
+    .triangle_a_z_i (issue_triangle[95:64]), .triangle_b_x_i (issue_triangle[127:96]),
+    .triangle_b_y_i (issue_triangle[159:128]), .triangle_b_z_i (issue_triangle[191:160]),
+    .triangle_c_x_i (issue_triangle[223:192]), .triangle_c_y_i (issue_triangle[255:224]),
+    .triangle_c_z_i (issue_triangle[287:256]), .input_ready_o (job_ready),
     .output_valid_o (datapath_output_valid), .opcode_o (datapath_opcode),
-    .box_index_0_o (datapath_box_index_0), .box_index_1_o (datapath_box_index_1),
-    .box_index_2_o (datapath_box_index_2), .box_index_3_o (datapath_box_index_3),
+    .box_index_0_o (datapath_box_index[1:0]), .box_index_1_o (datapath_box_index[3:2]),
+    .box_index_2_o (datapath_box_index[5:4]), .box_index_3_o (datapath_box_index[7:6]),
     .facing_o (datapath_facing), .is_intersect_o (datapath_is_intersect),
     .t_denom_o (datapath_t_denom), .t_num_o (datapath_t_num), .tag_o (datapath_tag),
     .tmin_0_o (unused_datapath_tmin_0), .tmin_1_o (datapath_tmin_1), .tmin_2_o (datapath_tmin_2),
     .tmin_3_o (datapath_tmin_3), .triangle_hit_o (datapath_triangle_hit)
   );
 
-  assign is_boxes        = datapath_opcode == raypath_pkg::OpQuadbox;
-  assign outcome_context = datapath_tag[ContextWidth+2:3];
-  assign job_enters      = issue_offer & datapath_input_ready;
-  assign other_enters    = job_enters & ~issue_is_node;
+  assign is_boxes          = datapath_opcode == raypath_pkg::OpQuadbox;
+  assign outcome_context   = datapath_tag[ContextWidth+2:3];
+  assign job_enters        = issue_offer & job_ready;
+  assign count_triangles_o = job_enters & ~issue_is_node;
 
   // ---- Distances of triangles -----------------------------------------------
-  logic                    distance_valid;
-  logic [ContextWidth-1:0] distance_context;
-  logic                    distance_closest_is_hit;
-  logic [31:0]             distance_closest_t;
-  logic [31:0]             distance_closest_t_num;
-  logic [31:0]             distance_closest_t_denom;
-  logic                    distance_closest_is_clockwise;
-  logic [31:0]             distance_closest_primitive;
+  logic                       distance_valid;
+  logic [ContextWidth-1:0]    distance_context;
+  raypath_unit_pkg::closest_t distance_closest;
 
   raypath_unit_distance #(.Contexts (Contexts)) u_distance (
     .clk_i, .rst_ni, .valid_i (datapath_output_valid & ~is_boxes), .context_i (outcome_context),
     .place_i (datapath_tag[2:1]), .is_last_i (datapath_tag[0]), .is_hit_i (datapath_triangle_hit),
     .is_front_i (datapath_facing), .t_num_i (datapath_t_num), .t_denom_i (datapath_t_denom),
-    .limits_t_min_i (rays_limits_t_min), .limits_culls_clockwise_i (rays_limits_culls_clockwise),
-    .limits_culls_counter_clockwise_i (rays_limits_culls_counter_clockwise),
-    .index_0_i (blocks_index_0), .index_1_i (blocks_index_1), .index_2_i (blocks_index_2),
-    .taken_i (block_taken), .ready_o (distance_ready), .read_o (distance_read),
-    .read_context_o (distance_read_context), .valid_o (distance_valid),
-    .context_o (distance_context), .closest_is_hit_o (distance_closest_is_hit),
-    .closest_t_o (distance_closest_t), .closest_t_num_o (distance_closest_t_num),
-    .closest_t_denom_o (distance_closest_t_denom),
-    .closest_is_clockwise_o (distance_closest_is_clockwise),
-    .closest_primitive_o (distance_closest_primitive)
+    .limits_i (rays_limits), .index_i (blocks_index), .taken_i (block_taken),
+    .ready_o (distance_ready), .read_o (limits_read), .read_context_o (limits_context),
+    .valid_o (distance_valid), .context_o (distance_context), .closest_o (distance_closest)
   );
 
   // ---- Steps ----------------------------------------------------------------
   logic        walk_ends;
   logic [24:0] walk_block;
   logic [2:0]  walk_status;
-  logic [31:0] walk_next_t_num;
-  logic [31:0] walk_next_t_denom;
-  logic        walk_next_back_face;
-  logic [31:0] walk_next_primitive;
-  logic [31:0] walk_next_nodes;
-  logic [31:0] walk_next_triangles;
 
   raypath_unit_walk #(.Contexts (Contexts)) u_walk (
     .clk_i, .rst_ni, .flush_i (flushes_q), .node_limit_i,
@@ -417,26 +278,15 @@ module raypath_unit #(
     .block_valid_i (distance_valid), .block_context_i (distance_context),
     .fault_valid_i (issue_fault_valid), .fault_context_i (issue_context),
     .start_valid_i (rays_start_valid), .start_context_i (rays_start_context),
-    .start_is_refused_i (rays_start_is_refused), .boxes_hit_i (datapath_is_intersect),
-    .boxes_tmin_0_i (datapath_tmin_1), .boxes_tmin_1_i (datapath_tmin_2),
-    .boxes_tmin_2_i (datapath_tmin_3), .boxes_box_index_0_i (datapath_box_index_0),
-    .boxes_box_index_1_i (datapath_box_index_1), .boxes_box_index_2_i (datapath_box_index_2),
-    .boxes_box_index_3_i (datapath_box_index_3), .closest_is_hit_i (distance_closest_is_hit),
-    .closest_t_i (distance_closest_t), .closest_t_num_i (distance_closest_t_num),
-    .closest_t_denom_i (distance_closest_t_denom),
-    .closest_is_clockwise_i (distance_closest_is_clockwise),
-    .closest_primitive_i (distance_closest_primitive), .child_0_i (blocks_child_0),
-    .child_1_i (blocks_child_1), .child_2_i (blocks_child_2), .child_3_i (blocks_child_3),
-    .begin_root_i (rays_begin_root), .begin_t_max_i (rays_begin_t_max),
-    .begin_any_hit_i (rays_begin_any_hit), .block_taken_o (walk_block_taken),
-    .fault_taken_o (walk_fault_taken), .start_taken_o (walk_start_taken), .read_o (walk_read),
-    .read_context_o (walk_read_context), .fetches_o (walk_fetches), .ends_o (walk_ends),
-    .context_o (walk_context), .steps_o (count_steps_o), .restarts_o (count_restarts_o),
-    .block_o (walk_block), .count_o (walk_count), .status_o (walk_status),
-    .next_extent_o (walk_next_extent), .next_t_num_o (walk_next_t_num),
-    .next_t_denom_o (walk_next_t_denom), .next_back_face_o (walk_next_back_face),
-    .next_primitive_o (walk_next_primitive), .next_nodes_o (walk_next_nodes),
-    .next_triangles_o (walk_next_triangles)
+    .start_is_refused_i (rays_start_is_refused),
+    .boxes_i ({datapath_is_intersect, datapath_tmin_1, datapath_tmin_2, datapath_tmin_3,
+        datapath_box_index[1:0], datapath_box_index[3:2], datapath_box_index[5:4],
+        datapath_box_index[7:6]}),
+    .closest_i (distance_closest), .child_i (blocks_child), .begin_i (rays_begin),
+    .block_taken_o (block_taken), .fault_taken_o (fault_taken), .start_taken_o (start_taken),
+    .read_o (step_read), .read_context_o (step_context), .fetches_o (fetches), .ends_o (walk_ends),
+    .context_o (fetch_context), .steps_o (count_steps_o), .restarts_o (count_restarts_o),
+    .block_o (walk_block), .count_o (fetch_count), .status_o (walk_status), .next_o (walk_next)
   );
 
   // ---- Requests to the memory, and hits -------------------------------------
@@ -444,38 +294,32 @@ module raypath_unit #(
   logic        hits_valid;
 
   raypath_queue #(.Depth (Contexts), .Width (ContextWidth + 25)) u_requests (
-    .clk_i, .rst_ni, .push_i (walk_fetches), .pop_i (mem_req_ready_i),
-    .data_i ({walk_context, walk_block}), .valid_o (mem_req_valid_o),
+    .clk_i, .rst_ni, .push_i (fetches), .pop_i (mem_req_ready_i),
+    .data_i ({fetch_context, walk_block}), .valid_o (mem_req_valid_o),
     .data_o ({mem_req_tag_o, requests_block})
   );
 
   raypath_unit_hits #(.Contexts (Contexts)) u_hits (
-    .clk_i, .rst_ni, .ends_i (walk_ends), .context_i (walk_context), .status_i (walk_status),
-    .ready_i (hit_ready_i | flushes_q), .next_extent_i (walk_next_extent),
-    .next_primitive_i (walk_next_primitive), .next_t_num_i (walk_next_t_num),
-    .next_t_denom_i (walk_next_t_denom), .next_back_face_i (walk_next_back_face),
-    .next_nodes_i (walk_next_nodes), .next_triangles_i (walk_next_triangles),
-    .release_o (hits_release), .context_o (hits_context), .valid_o (hits_valid),
-    .status_o (hit_status_o), .t_o (hit_t_o), .primitive_o (hit_primitive_o),
-    .t_num_o (hit_t_num_o), .t_denom_o (hit_t_denom_o), .back_face_o (hit_back_face_o),
-    .nodes_o (hit_nodes_o), .triangles_o (hit_triangles_o)
+    .clk_i, .rst_ni, .ends_i (walk_ends), .context_i (fetch_context), .status_i (walk_status),
+    .ready_i (hit_ready_i | flushes_q), .next_i (walk_next), .release_o (releases),
+    .context_o (hit_context), .valid_o (hits_valid), .status_o (hit_status_o), .t_o (hit_t_o),
+    .primitive_o (hit_primitive_o), .t_num_o (hit_t_num_o), .t_denom_o (hit_t_denom_o),
+    .back_face_o (hit_back_face_o), .nodes_o (hit_nodes_o), .triangles_o (hit_triangles_o)
   );
 
-  assign idle = rays_is_idle & ~hits_valid;
+  assign idle_o = rays_is_idle & ~hits_valid;
 
   // ---- Outputs --------------------------------------------------------------
-  assign idle_o             = idle;
-  assign busy_o             = ~idle;
+  assign busy_o             = ~idle_o;
   assign ray_ready_o        = rays_ready & ~flushes_q;
   assign hit_valid_o        = hits_valid & ~flushes_q;
   assign mem_req_addr_o     = {requests_block, 7'd0};
   assign mem_rsp_ready_o    = 1'b1;
   assign count_boxes_o      = job_enters & issue_is_node;
-  assign count_triangles_o  = other_enters;
   assign count_transforms_o = 1'b0;
-  assign count_fetches_o    = walk_fetches;
+  assign count_fetches_o    = fetches;
   assign count_rays_o       = walk_ends;
-  assign count_job_stalls_o = issue_offer & ~datapath_input_ready;
+  assign count_job_stalls_o = issue_offer & ~job_ready;
   assign count_candidates_o = 1'b0;
 
 endmodule : raypath_unit

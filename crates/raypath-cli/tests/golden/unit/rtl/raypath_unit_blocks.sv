@@ -24,40 +24,9 @@ module raypath_unit_blocks #(
   input  logic [ContextWidth-1:0] index_context_i,
   output logic                    arrived_o,
   output logic                    failed_o,
-  output logic [31:0]             word_0_o,
-  output logic [31:0]             word_1_o,
-  output logic [31:0]             word_2_o,
-  output logic [31:0]             word_3_o,
-  output logic [31:0]             word_4_o,
-  output logic [31:0]             word_5_o,
-  output logic [31:0]             word_6_o,
-  output logic [31:0]             word_7_o,
-  output logic [31:0]             word_8_o,
-  output logic [31:0]             word_9_o,
-  output logic [31:0]             word_10_o,
-  output logic [31:0]             word_11_o,
-  output logic [31:0]             word_12_o,
-  output logic [31:0]             word_13_o,
-  output logic [31:0]             word_14_o,
-  output logic [31:0]             word_15_o,
-  output logic [31:0]             word_16_o,
-  output logic [31:0]             word_17_o,
-  output logic [31:0]             word_18_o,
-  output logic [31:0]             word_19_o,
-  output logic [31:0]             word_20_o,
-  output logic [31:0]             word_21_o,
-  output logic [31:0]             word_22_o,
-  output logic [31:0]             word_23_o,
-  output logic [31:0]             word_24_o,
-  output logic [31:0]             word_25_o,
-  output logic [31:0]             word_26_o,
-  output logic [31:0]             child_0_o,
-  output logic [31:0]             child_1_o,
-  output logic [31:0]             child_2_o,
-  output logic [31:0]             child_3_o,
-  output logic [31:0]             index_0_o,
-  output logic [31:0]             index_1_o,
-  output logic [31:0]             index_2_o
+  output logic [863:0]            word_o,
+  output logic [127:0]            child_o,
+  output logic [95:0]             index_o
 );
 
   // ---- The beats of each block so far, and whether one had an error ---------
@@ -65,129 +34,47 @@ module raypath_unit_blocks #(
   logic next_failed;      // 0 after the last beat, for the next block of the context
   logic progress_beat;
   logic progress_failed;
-  logic failed;
-  logic arrived;
 
   assign next_beat   = progress_beat + 1'b1;
-  assign next_failed = failed & ~progress_beat;
+  assign next_failed = failed_o & ~progress_beat;
 
   raypath_registers #(.Depth (Contexts), .Width (2)) u_progress (
     .clk_i, .rst_ni, .write_enable_i (valid_i), .address_i (context_i),
     .data_i ({next_beat, next_failed}), .data_o ({progress_beat, progress_failed})
   );
 
-  assign failed  = progress_failed | error_i;
-  assign arrived = valid_i & progress_beat;
+  assign failed_o  = progress_failed | error_i;
+  assign arrived_o = valid_i & progress_beat;
 
   // ---- The words ------------------------------------------------------------
-  logic [31:0] jobs_0_word_0;
-  logic [31:0] jobs_0_word_1;
-  logic [31:0] jobs_0_word_2;
-  logic [31:0] jobs_0_word_3;
-  logic [31:0] jobs_0_word_4;
-  logic [31:0] jobs_0_word_5;
-  logic [31:0] jobs_0_word_6;
-  logic [31:0] jobs_0_word_7;
-  logic [31:0] jobs_0_word_8;
-  logic [31:0] jobs_0_word_9;
-  logic [31:0] jobs_0_word_10;
-  logic [31:0] jobs_0_word_11;
-  logic [31:0] jobs_0_word_12;
-  logic [31:0] jobs_0_word_13;
-  logic [31:0] jobs_0_word_14;
-  logic [31:0] jobs_0_word_15;
-  logic [31:0] jobs_1_word_16;
-  logic [31:0] jobs_1_word_17;
-  logic [31:0] jobs_1_word_18;
-  logic [31:0] jobs_1_word_19;
-  logic [31:0] jobs_1_word_20;
-  logic [31:0] jobs_1_word_21;
-  logic [31:0] jobs_1_word_22;
-  logic [31:0] jobs_1_word_23;
-  logic [31:0] jobs_1_word_24;
-  logic [31:0] jobs_1_word_25;
-  logic [31:0] jobs_1_word_26;
-  logic [31:0] children_1_word_24;
-  logic [31:0] children_1_word_25;
-  logic [31:0] children_1_word_26;
-  logic [31:0] children_1_word_27;
-  logic [31:0] indices_1_word_28;
-  logic [31:0] indices_1_word_29;
-  logic [31:0] indices_1_word_30;
+  logic [511:0] jobs_0_word;
+  logic [351:0] jobs_1_word;
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (512)) u_jobs_0 (
     .clk_i, .write_enable_i (valid_i & ~progress_beat), .write_address_i (context_i),
-    .write_data_i ({data_i[31:0], data_i[63:32], data_i[95:64], data_i[127:96], data_i[159:128],
-        data_i[191:160], data_i[223:192], data_i[255:224], data_i[287:256], data_i[319:288],
-        data_i[351:320], data_i[383:352], data_i[415:384], data_i[447:416], data_i[479:448],
-        data_i[511:480]}),
-    .read_enable_i (job_read_i), .read_address_i (job_context_i),
-    .read_data_o ({jobs_0_word_0, jobs_0_word_1, jobs_0_word_2, jobs_0_word_3, jobs_0_word_4,
-        jobs_0_word_5, jobs_0_word_6, jobs_0_word_7, jobs_0_word_8, jobs_0_word_9, jobs_0_word_10,
-        jobs_0_word_11, jobs_0_word_12, jobs_0_word_13, jobs_0_word_14, jobs_0_word_15})
+    .write_data_i (data_i[511:0]), .read_enable_i (job_read_i), .read_address_i (job_context_i),
+    .read_data_o (jobs_0_word)
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (352)) u_jobs_1 (
     .clk_i, .write_enable_i (valid_i & progress_beat), .write_address_i (context_i),
-    .write_data_i ({data_i[31:0], data_i[63:32], data_i[95:64], data_i[127:96], data_i[159:128],
-        data_i[191:160], data_i[223:192], data_i[255:224], data_i[287:256], data_i[319:288],
-        data_i[351:320]}),
-    .read_enable_i (job_read_i), .read_address_i (job_context_i),
-    .read_data_o ({jobs_1_word_16, jobs_1_word_17, jobs_1_word_18, jobs_1_word_19, jobs_1_word_20,
-        jobs_1_word_21, jobs_1_word_22, jobs_1_word_23, jobs_1_word_24, jobs_1_word_25,
-        jobs_1_word_26})
+    .write_data_i (data_i[351:0]), .read_enable_i (job_read_i), .read_address_i (job_context_i),
+    .read_data_o (jobs_1_word)
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (128)) u_children_1 (
     .clk_i, .write_enable_i (valid_i & progress_beat), .write_address_i (context_i),
-    .write_data_i ({data_i[287:256], data_i[319:288], data_i[351:320], data_i[383:352]}),
-    .read_enable_i (child_read_i), .read_address_i (child_context_i),
-    .read_data_o ({children_1_word_24, children_1_word_25, children_1_word_26, children_1_word_27})
+    .write_data_i (data_i[383:256]), .read_enable_i (child_read_i),
+    .read_address_i (child_context_i), .read_data_o (child_o)
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (96)) u_indices_1 (
     .clk_i, .write_enable_i (valid_i & progress_beat), .write_address_i (context_i),
-    .write_data_i ({data_i[415:384], data_i[447:416], data_i[479:448]}),
-    .read_enable_i (index_read_i), .read_address_i (index_context_i),
-    .read_data_o ({indices_1_word_28, indices_1_word_29, indices_1_word_30})
+    .write_data_i (data_i[479:384]), .read_enable_i (index_read_i),
+    .read_address_i (index_context_i), .read_data_o (index_o)
   );
 
   // ---- Outputs --------------------------------------------------------------
-  assign arrived_o = arrived;
-  assign failed_o  = failed;
-  assign word_0_o  = jobs_0_word_0;
-  assign word_1_o  = jobs_0_word_1;
-  assign word_2_o  = jobs_0_word_2;
-  assign word_3_o  = jobs_0_word_3;
-  assign word_4_o  = jobs_0_word_4;
-  assign word_5_o  = jobs_0_word_5;
-  assign word_6_o  = jobs_0_word_6;
-  assign word_7_o  = jobs_0_word_7;
-  assign word_8_o  = jobs_0_word_8;
-  assign word_9_o  = jobs_0_word_9;
-  assign word_10_o = jobs_0_word_10;
-  assign word_11_o = jobs_0_word_11;
-  assign word_12_o = jobs_0_word_12;
-  assign word_13_o = jobs_0_word_13;
-  assign word_14_o = jobs_0_word_14;
-  assign word_15_o = jobs_0_word_15;
-  assign word_16_o = jobs_1_word_16;
-  assign word_17_o = jobs_1_word_17;
-  assign word_18_o = jobs_1_word_18;
-  assign word_19_o = jobs_1_word_19;
-  assign word_20_o = jobs_1_word_20;
-  assign word_21_o = jobs_1_word_21;
-  assign word_22_o = jobs_1_word_22;
-  assign word_23_o = jobs_1_word_23;
-  assign word_24_o = jobs_1_word_24;
-  assign word_25_o = jobs_1_word_25;
-  assign word_26_o = jobs_1_word_26;
-  assign child_0_o = children_1_word_24;
-  assign child_1_o = children_1_word_25;
-  assign child_2_o = children_1_word_26;
-  assign child_3_o = children_1_word_27;
-  assign index_0_o = indices_1_word_28;
-  assign index_1_o = indices_1_word_29;
-  assign index_2_o = indices_1_word_30;
+  assign word_o = {jobs_1_word, jobs_0_word};
 
 endmodule : raypath_unit_blocks

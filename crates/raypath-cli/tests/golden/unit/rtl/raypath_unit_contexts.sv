@@ -36,11 +36,8 @@ module raypath_unit_contexts #(
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      fresh_q <= '0;
-    end else if (take_i) begin
-      fresh_q <= fresh_q + ContextWidth'(32'd1);
-    end
+    if (!rst_ni) fresh_q <= '0;
+    else if (take_i) fresh_q <= fresh_q + ContextWidth'(32'd1);
   end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin

@@ -10,34 +10,25 @@ module raypath_unit_distance #(
   parameter  logic [31:0] Contexts     = 64,
   localparam logic [31:0] ContextWidth = $clog2(Contexts)
 ) (
-  input  logic                    clk_i,
-  input  logic                    rst_ni,
-  input  logic                    valid_i,
-  input  logic [ContextWidth-1:0] context_i,
-  input  logic [1:0]              place_i,
-  input  logic                    is_last_i,
-  input  logic                    is_hit_i,
-  input  logic                    is_front_i,
-  input  logic [31:0]             t_num_i,
-  input  logic [31:0]             t_denom_i,
-  input  logic [31:0]             limits_t_min_i,
-  input  logic                    limits_culls_clockwise_i,
-  input  logic                    limits_culls_counter_clockwise_i,
-  input  logic [31:0]             index_0_i,
-  input  logic [31:0]             index_1_i,
-  input  logic [31:0]             index_2_i,
-  input  logic                    taken_i,
-  output logic                    ready_o,
-  output logic                    read_o,
-  output logic [ContextWidth-1:0] read_context_o,
-  output logic                    valid_o,
-  output logic [ContextWidth-1:0] context_o,
-  output logic                    closest_is_hit_o,
-  output logic [31:0]             closest_t_o,
-  output logic [31:0]             closest_t_num_o,
-  output logic [31:0]             closest_t_denom_o,
-  output logic                    closest_is_clockwise_o,
-  output logic [31:0]             closest_primitive_o
+  input  logic                       clk_i,
+  input  logic                       rst_ni,
+  input  logic                       valid_i,
+  input  logic [ContextWidth-1:0]    context_i,
+  input  logic [1:0]                 place_i,
+  input  logic                       is_last_i,
+  input  logic                       is_hit_i,
+  input  logic                       is_front_i,
+  input  logic [31:0]                t_num_i,
+  input  logic [31:0]                t_denom_i,
+  input  raypath_unit_pkg::limits_t  limits_i,
+  input  logic [95:0]                index_i,
+  input  logic                       taken_i,
+  output logic                       ready_o,
+  output logic                       read_o,
+  output logic [ContextWidth-1:0]    read_context_o,
+  output logic                       valid_o,
+  output logic [ContextWidth-1:0]    context_o,
+  output raypath_unit_pkg::closest_t closest_o
 );
 
   // ---- The operands, and their division -------------------------------------
@@ -46,14 +37,12 @@ module raypath_unit_distance #(
   // in registers before the divider, because their encoders are slow
   logic                    has_operands_q;
   logic                    divides;
-  logic                    ready;
   logic                    enters;
   logic [32:0]             encode_dividend_recoded;
   logic [32:0]             dividend_q;
   logic [32:0]             encode_divisor_recoded;
   logic [32:0]             divisor_q;
   logic [ContextWidth+4:0] operands_tag_q;
-  logic                    divider_ready;
   logic                    divider_valid;
   logic [32:0]             divider_result;
   logic [ContextWidth+4:0] divider_tag;
@@ -62,9 +51,8 @@ module raypath_unit_distance #(
   logic                    folds;
 
   assign moves   = ~has_hit_q | folds;
-  assign divides = divider_ready;
-  assign ready   = ~has_operands_q | divides;
-  assign enters  = valid_i & ready;
+  assign ready_o = ~has_operands_q | divides;
+  assign enters  = valid_i & ready_o;
 
   raypath_fp_encode_e8s24 u_encode_dividend (
     .ieee_i (t_num_i), .recoded_o (encode_dividend_recoded)
@@ -76,18 +64,15 @@ module raypath_unit_distance #(
 
   raypath_div_pipelined_e8s24_l11_tagged #(.Width (ContextWidth + 5)) u_divider (
     .clk_i, .rst_ni, .valid_i (has_operands_q), .ready_i (moves), .a_i (dividend_q),
-    .b_i (divisor_q), .tag_i (operands_tag_q), .ready_o (divider_ready), .valid_o (divider_valid),
+    .b_i (divisor_q), .tag_i (operands_tag_q), .ready_o (divides), .valid_o (divider_valid),
     .result_o (divider_result), .tag_o (divider_tag)
   );
 
   raypath_fp_decode_e8s24 u_decode (.recoded_i (divider_result), .ieee_o (decode_ieee));
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      has_operands_q <= 1'b0;
-    end else begin
-      has_operands_q <= enters | (has_operands_q & ~divides);
-    end
+    if (!rst_ni) has_operands_q <= 1'b0;
+    else has_operands_q <= enters | (has_operands_q & ~divides);
   end
 
   always_ff @(posedge clk_i) begin
@@ -113,16 +98,13 @@ module raypath_unit_distance #(
   raypath_ram_1r1w #(.Depth (4*Contexts), .Width (64)) u_fractions (
     .clk_i, .write_enable_i (enters), .write_address_i ({context_i, place_i}),
     .write_data_i ({t_num_i, t_denom_i}), .read_enable_i (read),
-    .read_address_i (divider_tag[ContextWidth+4:3]), .read_data_o ({fractions_t_num,
-        fractions_t_denom})
+    .read_address_i (divider_tag[ContextWidth+4:3]),
+    .read_data_o ({fractions_t_num, fractions_t_denom})
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      has_hit_q <= 1'b0;
-    end else begin
-      has_hit_q <= read | (has_hit_q & ~folds);
-    end
+    if (!rst_ni) has_hit_q <= 1'b0;
+    else has_hit_q <= read | (has_hit_q & ~folds);
   end
 
   always_ff @(posedge clk_i) begin
@@ -133,72 +115,58 @@ module raypath_unit_distance #(
   end
 
   // ---- The closest hit of its block so far ----------------------------------
-  logic [31:0]             index;
-  logic                    closest_is_hit_q;
-  logic [31:0]             closest_t_q;
-  logic [31:0]             closest_t_num_q;
-  logic [31:0]             closest_t_denom_q;
-  logic                    closest_is_clockwise_q;
-  logic [31:0]             closest_primitive_q;
-  logic                    is_first;
-  logic                    equal;
-  logic                    below;
-  logic                    passes;
-  logic                    has_before;
-  logic                    unordered;
-  logic                    equal_2;
-  logic                    less;
-  logic                    is_taken;
-  logic [ContextWidth-1:0] context_q;
+  logic [31:0]                index;
+  raypath_unit_pkg::closest_t closest_q;
+  logic                       is_first;
+  logic                       equal;
+  logic                       below;
+  logic                       passes;
+  logic                       has_before;
+  logic                       unordered;
+  logic                       equal_2;
+  logic                       less;
+  logic                       is_taken;
+  logic [ContextWidth-1:0]    context_q;
 
-  assign index      = tag_q[4] ? index_2_i : (tag_q[3] ? index_1_i : index_0_i);
+  assign index      = tag_q[4] ? index_i[95:64] : (tag_q[3] ? index_i[63:32] : index_i[31:0]);
   assign is_first   = tag_q[4:3] == 2'd0;
-  assign equal      = (t_q == limits_t_min_i) | ((t_q[30:0] == 31'd0) & (limits_t_min_i[30:0] ==
+  assign equal      = (t_q == limits_i.t_min) | ((t_q[30:0] == 31'd0) & (limits_i.t_min[30:0] ==
       31'd0));
-  assign below      = (t_q[31] ^ limits_t_min_i[31]) ? t_q[31] : (t_q[31] ? limits_t_min_i[30:0] <
-      t_q[30:0] : t_q[30:0] < limits_t_min_i[30:0]);
-  assign passes     = tag_q[1] & ~(tag_q[0] ? limits_culls_clockwise_i :
-      limits_culls_counter_clockwise_i) & ~((31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 <
-      limits_t_min_i[30:0])) & ~equal & ~(below & ~equal);
-  assign has_before = ~is_first & closest_is_hit_q;
-  assign unordered  = (31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < closest_t_q[30:0]);
-  assign equal_2    = (t_q == closest_t_q) | ((t_q[30:0] == 31'd0) & (closest_t_q[30:0] == 31'd0));
-  assign less       = ((t_q[31] ^ closest_t_q[31]) ? t_q[31] : (t_q[31] ? closest_t_q[30:0] <
-      t_q[30:0] : t_q[30:0] < closest_t_q[30:0])) & ~equal_2;
+  assign below      = (t_q[31] ^ limits_i.t_min[31]) ? t_q[31] : (t_q[31] ? limits_i.t_min[30:0] <
+      t_q[30:0] : t_q[30:0] < limits_i.t_min[30:0]);
+  assign passes     = tag_q[1] & ~(tag_q[0] ? limits_i.culls_clockwise :
+      limits_i.culls_counter_clockwise) & ~((31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 <
+      limits_i.t_min[30:0])) & ~equal & ~(below & ~equal);
+  assign has_before = ~is_first & closest_q.is_hit;
+  assign unordered  = (31'h7f80_0000 < t_q[30:0]) | (31'h7f80_0000 < closest_q.t[30:0]);
+  assign equal_2    = (t_q == closest_q.t) | ((t_q[30:0] == 31'd0) & (closest_q.t[30:0] == 31'd0));
+  assign less       = ((t_q[31] ^ closest_q.t[31]) ? t_q[31] : (t_q[31] ? closest_q.t[30:0] <
+      t_q[30:0] : t_q[30:0] < closest_q.t[30:0])) & ~equal_2;
   assign is_taken   = (passes & (~has_before | (~unordered & less) | (~unordered & equal_2 & (index
-      < closest_primitive_q)))) | is_first;
+      < closest_q.primitive_index)))) | is_first;
 
   always_ff @(posedge clk_i) begin
     if (folds) begin
-      closest_is_hit_q       <= passes | has_before;
-      closest_t_q            <= is_taken ? t_q : closest_t_q;
-      closest_t_num_q        <= is_taken ? fractions_t_num : closest_t_num_q;
-      closest_t_denom_q      <= is_taken ? fractions_t_denom : closest_t_denom_q;
-      closest_is_clockwise_q <= is_taken ? tag_q[0] : closest_is_clockwise_q;
-      closest_primitive_q    <= is_taken ? index : closest_primitive_q;
-      context_q              <= tag_q[ContextWidth+4:5];
+      closest_q.is_hit          <= passes | has_before;
+      closest_q.t               <= is_taken ? t_q : closest_q.t;
+      closest_q.t_num           <= is_taken ? fractions_t_num : closest_q.t_num;
+      closest_q.t_denom         <= is_taken ? fractions_t_denom : closest_q.t_denom;
+      closest_q.is_clockwise    <= is_taken ? tag_q[0] : closest_q.is_clockwise;
+      closest_q.primitive_index <= is_taken ? index : closest_q.primitive_index;
+      context_q                 <= tag_q[ContextWidth+4:5];
     end
   end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      is_complete_q <= 1'b0;
-    end else begin
-      is_complete_q <= (folds & tag_q[2]) | (is_complete_q & ~taken_i);
-    end
+    if (!rst_ni) is_complete_q <= 1'b0;
+    else is_complete_q <= (folds & tag_q[2]) | (is_complete_q & ~taken_i);
   end
 
   // ---- Outputs --------------------------------------------------------------
-  assign ready_o                = ready;
-  assign read_o                 = read;
-  assign read_context_o         = divider_tag[ContextWidth+4:5];
-  assign valid_o                = is_complete_q;
-  assign context_o              = context_q;
-  assign closest_is_hit_o       = closest_is_hit_q;
-  assign closest_t_o            = closest_t_q;
-  assign closest_t_num_o        = closest_t_num_q;
-  assign closest_t_denom_o      = closest_t_denom_q;
-  assign closest_is_clockwise_o = closest_is_clockwise_q;
-  assign closest_primitive_o    = closest_primitive_q;
+  assign read_o         = read;
+  assign read_context_o = divider_tag[ContextWidth+4:5];
+  assign valid_o        = is_complete_q;
+  assign context_o      = context_q;
+  assign closest_o      = closest_q;
 
 endmodule : raypath_unit_distance

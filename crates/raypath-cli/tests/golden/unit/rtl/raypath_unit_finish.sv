@@ -7,97 +7,15 @@
 // What happens to a ray when an answer arrives, after its stack is read.
 // The stack of a ray has 8 entries.
 // The entry of a level is at the level modulo their number, so that deep levels overwrite high
-// ones: base is the
-// lowest level that is not overwritten.
+// ones: base is the lowest level that is not overwritten.
 
 module raypath_unit_finish (
-  input  logic        half_state_any_hit_i,
-  input  logic [31:0] half_state_root_i,
-  input  logic [31:0] half_state_extent_i,
-  input  logic        half_state_has_hit_i,
-  input  logic [31:0] half_state_t_num_i,
-  input  logic [31:0] half_state_t_denom_i,
-  input  logic        half_state_back_face_i,
-  input  logic [31:0] half_state_primitive_i,
-  input  logic [31:0] half_state_nodes_i,
-  input  logic [31:0] half_state_triangles_i,
-  input  logic [6:0]  half_state_level_i,
-  input  logic [31:0] half_state_pending_low_i,
-  input  logic [31:0] half_state_pending_high_i,
-  input  logic [31:0] half_state_place_low_low_i,
-  input  logic [31:0] half_state_place_low_high_i,
-  input  logic [31:0] half_state_place_high_low_i,
-  input  logic [31:0] half_state_place_high_high_i,
-  input  logic [6:0]  half_state_base_i,
-  input  logic        half_state_restarting_i,
-  input  logic [6:0]  half_state_target_i,
-  input  logic [31:0] half_state_leaf_address_i,
-  input  logic [3:0]  half_state_leaf_left_i,
-  input  logic        half_starts_i,
-  input  logic        half_failed_i,
-  input  logic        half_is_refused_i,
-  input  logic        half_cannot_enter_i,
-  input  logic        half_descends_i,
-  input  logic        half_is_lost_i,
-  input  logic        half_leaf_continues_i,
-  input  logic        half_ends_i,
-  input  logic        half_pops_i,
-  input  logic        half_is_empty_i,
-  input  logic        half_is_at_limit_i,
-  input  logic        half_is_on_stack_i,
-  input  logic [6:0]  half_deepest_i,
-  input  logic [6:0]  half_parent_i,
-  input  logic [1:0]  half_place_i,
-  input  logic [31:0] half_child_i,
-  input  logic [2:0]  half_rest_present_i,
-  input  logic [31:0] half_rest_child_0_i,
-  input  logic [31:0] half_rest_child_1_i,
-  input  logic [31:0] half_rest_child_2_i,
-  input  logic [31:0] half_rest_tmin_0_i,
-  input  logic [31:0] half_rest_tmin_1_i,
-  input  logic [31:0] half_rest_tmin_2_i,
-  input  logic [2:0]  top_present_i,
-  input  logic [31:0] top_child_0_i,
-  input  logic [31:0] top_child_1_i,
-  input  logic [31:0] top_child_2_i,
-  input  logic [31:0] top_tmin_0_i,
-  input  logic [31:0] top_tmin_1_i,
-  input  logic [31:0] top_tmin_2_i,
-  output logic        next_any_hit_o,
-  output logic [31:0] next_root_o,
-  output logic [31:0] next_extent_o,
-  output logic        next_has_hit_o,
-  output logic [31:0] next_t_num_o,
-  output logic [31:0] next_t_denom_o,
-  output logic        next_back_face_o,
-  output logic [31:0] next_primitive_o,
-  output logic [31:0] next_nodes_o,
-  output logic [31:0] next_triangles_o,
-  output logic [6:0]  next_level_o,
-  output logic [31:0] next_pending_low_o,
-  output logic [31:0] next_pending_high_o,
-  output logic [31:0] next_place_low_low_o,
-  output logic [31:0] next_place_low_high_o,
-  output logic [31:0] next_place_high_low_o,
-  output logic [31:0] next_place_high_high_o,
-  output logic [6:0]  next_base_o,
-  output logic        next_restarting_o,
-  output logic [6:0]  next_target_o,
-  output logic [31:0] next_leaf_address_o,
-  output logic [3:0]  next_leaf_left_o,
-  output logic [1:0]  request_kind_o,
-  output logic [31:0] request_address_o,
-  output logic [1:0]  request_count_o,
-  output logic        request_writes_o,
-  output logic [6:0]  request_level_o,
-  output logic [2:0]  request_group_present_o,
-  output logic [31:0] request_group_child_0_o,
-  output logic [31:0] request_group_child_1_o,
-  output logic [31:0] request_group_child_2_o,
-  output logic [31:0] request_group_tmin_0_o,
-  output logic [31:0] request_group_tmin_1_o,
-  output logic [31:0] request_group_tmin_2_o,
-  output logic [2:0]  request_status_o
+  input  raypath_unit_pkg::half_t    half_i,
+  input  raypath_unit_pkg::group_t   top_i,
+  output logic                       next_any_hit_o,
+  output logic [31:0]                next_root_o,
+  output raypath_unit_pkg::state_t   next_o,
+  output raypath_unit_pkg::request_t request_o
 );
 
   logic        unordered;
@@ -137,102 +55,102 @@ module raypath_unit_finish (
   logic [31:0] lower_levels;
   logic [2:0]  other_failure;
 
-  assign next_any_hit_o          = half_state_any_hit_i;
-  assign next_root_o             = half_state_root_i;
-  assign next_extent_o           = half_state_extent_i;
-  assign next_has_hit_o          = half_state_has_hit_i;
-  assign next_t_num_o            = half_state_t_num_i;
-  assign next_t_denom_o          = half_state_t_denom_i;
-  assign next_back_face_o        = half_state_back_face_i;
-  assign next_primitive_o        = half_state_primitive_i;
-  assign unordered               = (31'h7f80_0000 < top_tmin_0_i[30:0]) | (31'h7f80_0000 <
-      half_state_extent_i[30:0]);
-  assign equal                   = (top_tmin_0_i == half_state_extent_i) | ((top_tmin_0_i[30:0] ==
-      31'd0) & (half_state_extent_i[30:0] == 31'd0));
-  assign below                   = (top_tmin_0_i[31] ^ half_state_extent_i[31]) ? top_tmin_0_i[31] :
-      (top_tmin_0_i[31] ? half_state_extent_i[30:0] < top_tmin_0_i[30:0] : top_tmin_0_i[30:0] <
-      half_state_extent_i[30:0]);
-  assign is_near                 = top_present_i[0] & ((~unordered & below & ~equal) | (~unordered &
+  assign next_any_hit_o          = half_i.state_any_hit;
+  assign next_root_o             = half_i.state_root;
+  assign next_o.extent           = half_i.state.extent;
+  assign next_o.has_hit          = half_i.state.has_hit;
+  assign next_o.t_num            = half_i.state.t_num;
+  assign next_o.t_denom          = half_i.state.t_denom;
+  assign next_o.back_face        = half_i.state.back_face;
+  assign next_o.primitive_index  = half_i.state.primitive_index;
+  assign unordered               = (31'h7f80_0000 < top_i.tmin_0[30:0]) | (31'h7f80_0000 <
+      half_i.state.extent[30:0]);
+  assign equal                   = (top_i.tmin_0 == half_i.state.extent) | ((top_i.tmin_0[30:0] ==
+      31'd0) & (half_i.state.extent[30:0] == 31'd0));
+  assign below                   = (top_i.tmin_0[31] ^ half_i.state.extent[31]) ? top_i.tmin_0[31] :
+      (top_i.tmin_0[31] ? half_i.state.extent[30:0] < top_i.tmin_0[30:0] : top_i.tmin_0[30:0] <
+      half_i.state.extent[30:0]);
+  assign is_near                 = top_i.present[0] & ((~unordered & below & ~equal) | (~unordered &
       equal));
-  assign is_read                 = half_pops_i & ~half_is_empty_i & half_is_on_stack_i;
+  assign is_read                 = half_i.pops & ~half_i.is_empty & half_i.is_on_stack;
   assign takes                   = is_read & is_near;
-  assign restarts                = half_pops_i & ~half_is_empty_i & ~half_is_on_stack_i;
-  assign at_root                 = half_starts_i | restarts;
-  assign visits                  = at_root | half_descends_i | takes;
-  assign child                   = at_root ? half_state_root_i : (half_descends_i ? half_child_i :
-      top_child_0_i);
-  assign level                   = at_root ? 7'd0 : half_parent_i + 7'd1;
+  assign restarts                = half_i.pops & ~half_i.is_empty & ~half_i.is_on_stack;
+  assign at_root                 = half_i.starts | restarts;
+  assign visits                  = at_root | half_i.descends | takes;
+  assign child                   = at_root ? half_i.state_root : (half_i.descends ? half_i.child :
+      top_i.child_0);
+  assign level                   = at_root ? 7'd0 : half_i.parent + 7'd1;
   assign is_node                 = (level < 7'd64) & (child[6:0] == raypath_unit_pkg::ChildNode);
   assign fetches_node            = visits & is_node;
-  assign next_nodes_o            = (fetches_node & ~half_is_at_limit_i) ? half_state_nodes_i + 32'd1
-      : half_state_nodes_i;
+  assign next_o.nodes            = (fetches_node & ~half_i.is_at_limit) ? half_i.state.nodes + 32'd1
+      : half_i.state.nodes;
   assign is_triangles            = (child[6:0] != raypath_unit_pkg::ChildNone) & (child[6:0] <
       raypath_unit_pkg::ChildOtherLeaf);
-  assign fetches_leaf            = (visits & is_triangles) | half_leaf_continues_i;
-  assign left                    = half_leaf_continues_i ? half_state_leaf_left_i : child[3:0];
+  assign fetches_leaf            = (visits & is_triangles) | half_i.leaf_continues;
+  assign left                    = half_i.leaf_continues ? half_i.state.leaf_left : child[3:0];
   assign count                   = (left < 4'd3) ? left[1:0] : 2'd3;
-  assign next_triangles_o        = fetches_leaf ? half_state_triangles_i + {30'd0, count} :
-      half_state_triangles_i;
-  assign next_level_o            = visits ? level : half_state_level_i;
+  assign next_o.triangles        = fetches_leaf ? half_i.state.triangles + {30'd0, count} :
+      half_i.state.triangles;
+  assign next_o.level            = visits ? level : half_i.state.level;
   assign drops                   = is_read & ~is_near;
-  assign some_remain             = half_descends_i ? half_rest_present_i[0] : top_present_i[1];
-  assign moves                   = half_descends_i | takes;
+  assign some_remain             = half_i.descends ? half_i.rest.present[0] : top_i.present[1];
+  assign moves                   = half_i.descends | takes;
   assign changes                 = moves | drops;
   assign stays                   = some_remain & ~drops;
-  assign bit_of_level            = 32'd1 << half_parent_i[4:0];
-  assign changing_low            = (changes & ~half_parent_i[5]) ? bit_of_level : 32'd0;
-  assign lower_levels            = (32'd1 << half_state_level_i[4:0]) + 32'hffff_ffff;
-  assign next_pending_low_o      = half_is_lost_i ? (half_state_level_i[5] ?
-      half_state_pending_low_i : half_state_pending_low_i & lower_levels) :
-      (half_state_pending_low_i & ~changing_low) | (stays ? changing_low : 32'd0);
-  assign changing_high           = (changes & half_parent_i[5]) ? bit_of_level : 32'd0;
-  assign next_pending_high_o     = half_is_lost_i ? (half_state_level_i[5] ?
-      half_state_pending_high_i & lower_levels : 32'd0) : (half_state_pending_high_i &
+  assign bit_of_level            = 32'd1 << half_i.parent[4:0];
+  assign changing_low            = (changes & ~half_i.parent[5]) ? bit_of_level : 32'd0;
+  assign lower_levels            = (32'd1 << half_i.state.level[4:0]) + 32'hffff_ffff;
+  assign next_o.pending_low      = half_i.is_lost ? (half_i.state.level[5] ?
+      half_i.state.pending_low : half_i.state.pending_low & lower_levels) :
+      (half_i.state.pending_low & ~changing_low) | (stays ? changing_low : 32'd0);
+  assign changing_high           = (changes & half_i.parent[5]) ? bit_of_level : 32'd0;
+  assign next_o.pending_high     = half_i.is_lost ? (half_i.state.level[5] ?
+      half_i.state.pending_high & lower_levels : 32'd0) : (half_i.state.pending_high &
       ~changing_high) | (stays ? changing_high : 32'd0);
-  assign bit_of_level_2          = 32'd1 << half_parent_i[4:0];
-  assign moved_low               = (moves & ~half_parent_i[5]) ? bit_of_level_2 : 32'd0;
-  assign next_place_low_low_o    = (half_state_place_low_low_i & ~moved_low) | (half_place_i[0] ?
+  assign bit_of_level_2          = 32'd1 << half_i.parent[4:0];
+  assign moved_low               = (moves & ~half_i.parent[5]) ? bit_of_level_2 : 32'd0;
+  assign next_o.place_low_low    = (half_i.state.place_low_low & ~moved_low) | (half_i.place[0] ?
       moved_low : 32'd0);
-  assign moved_high              = (moves & half_parent_i[5]) ? bit_of_level_2 : 32'd0;
-  assign next_place_low_high_o   = (half_state_place_low_high_i & ~moved_high) | (half_place_i[0] ?
+  assign moved_high              = (moves & half_i.parent[5]) ? bit_of_level_2 : 32'd0;
+  assign next_o.place_low_high   = (half_i.state.place_low_high & ~moved_high) | (half_i.place[0] ?
       moved_high : 32'd0);
-  assign next_place_high_low_o   = (half_state_place_high_low_i & ~moved_low) | (half_place_i[1] ?
+  assign next_o.place_high_low   = (half_i.state.place_high_low & ~moved_low) | (half_i.place[1] ?
       moved_low : 32'd0);
-  assign next_place_high_high_o  = (half_state_place_high_high_i & ~moved_high) | (half_place_i[1] ?
+  assign next_o.place_high_high  = (half_i.state.place_high_high & ~moved_high) | (half_i.place[1] ?
       moved_high : 32'd0);
   assign writes                  = moves & some_remain;
-  assign lowest                  = (half_parent_i < 7'd8) ? 7'd0 : half_parent_i + 7'd121;
-  assign next_base_o             = restarts ? 7'd0 : ((writes & (half_state_base_i < lowest)) ?
-      lowest : half_state_base_i);
-  assign next_restarting_o       = restarts | half_state_restarting_i;
-  assign next_target_o           = restarts ? half_deepest_i : half_state_target_i;
-  assign address                 = half_leaf_continues_i ? half_state_leaf_address_i : {child[31:7],
+  assign lowest                  = (half_i.parent < 7'd8) ? 7'd0 : half_i.parent + 7'd121;
+  assign next_o.base             = restarts ? 7'd0 : ((writes & (half_i.state.base < lowest)) ?
+      lowest : half_i.state.base);
+  assign next_o.restarting       = restarts | half_i.state.restarting;
+  assign next_o.target           = restarts ? half_i.deepest : half_i.state.target;
+  assign address                 = half_i.leaf_continues ? half_i.state.leaf_address : {child[31:7],
       7'd0};
-  assign next_leaf_address_o     = fetches_leaf ? address : half_state_leaf_address_i;
-  assign next_leaf_left_o        = fetches_leaf ? left : half_state_leaf_left_i;
+  assign next_o.leaf_address     = fetches_leaf ? address : half_i.state.leaf_address;
+  assign next_o.leaf_left        = fetches_leaf ? left : half_i.state.leaf_left;
   assign is_missing              = child == 32'd0;
   assign is_invalid              = visits & ~is_node & ~is_triangles & ~is_missing;
-  assign errs                    = half_failed_i | is_invalid | (fetches_node & half_is_at_limit_i);
-  assign request_kind_o          = (errs | half_ends_i | (half_pops_i & half_is_empty_i)) ?
-      raypath_unit_pkg::RequestDone : ((drops | half_is_lost_i | (visits & is_missing)) ?
+  assign errs                    = half_i.failed | is_invalid | (fetches_node & half_i.is_at_limit);
+  assign request_o.kind          = (errs | half_i.ends | (half_i.pops & half_i.is_empty)) ?
+      raypath_unit_pkg::RequestDone : ((drops | half_i.is_lost | (visits & is_missing)) ?
       raypath_unit_pkg::RequestContinue : raypath_unit_pkg::RequestFetch);
-  assign request_address_o       = address;
-  assign request_count_o         = fetches_node ? 2'd0 : count;
-  assign request_writes_o        = writes;
-  assign request_level_o         = half_parent_i;
-  assign request_group_present_o = {half_descends_i & half_rest_present_i[2], half_descends_i ?
-      half_rest_present_i[1] : top_present_i[2], some_remain};
-  assign request_group_child_0_o = half_descends_i ? half_rest_child_0_i : top_child_1_i;
-  assign request_group_child_1_o = half_descends_i ? half_rest_child_1_i : top_child_2_i;
-  assign request_group_child_2_o = half_descends_i ? half_rest_child_2_i : top_child_2_i;
-  assign request_group_tmin_0_o  = half_descends_i ? half_rest_tmin_0_i : top_tmin_1_i;
-  assign request_group_tmin_1_o  = half_descends_i ? half_rest_tmin_1_i : top_tmin_2_i;
-  assign request_group_tmin_2_o  = half_descends_i ? half_rest_tmin_2_i : top_tmin_2_i;
-  assign other_failure           = (half_failed_i & ~half_cannot_enter_i) ?
-      raypath_unit_pkg::StatusMemory : ((is_invalid | half_cannot_enter_i) ?
+  assign request_o.address       = address;
+  assign request_o.count         = fetches_node ? 2'd0 : count;
+  assign request_o.writes        = writes;
+  assign request_o.level         = half_i.parent;
+  assign request_o.group.present = {half_i.descends & half_i.rest.present[2], half_i.descends ?
+      half_i.rest.present[1] : top_i.present[2], some_remain};
+  assign request_o.group.child_0 = half_i.descends ? half_i.rest.child_0 : top_i.child_1;
+  assign request_o.group.child_1 = half_i.descends ? half_i.rest.child_1 : top_i.child_2;
+  assign request_o.group.child_2 = half_i.descends ? half_i.rest.child_2 : top_i.child_2;
+  assign request_o.group.tmin_0  = half_i.descends ? half_i.rest.tmin_0 : top_i.tmin_1;
+  assign request_o.group.tmin_1  = half_i.descends ? half_i.rest.tmin_1 : top_i.tmin_2;
+  assign request_o.group.tmin_2  = half_i.descends ? half_i.rest.tmin_2 : top_i.tmin_2;
+  assign other_failure           = (half_i.failed & ~half_i.cannot_enter) ?
+      raypath_unit_pkg::StatusMemory : ((is_invalid | half_i.cannot_enter) ?
       raypath_unit_pkg::StatusScene : raypath_unit_pkg::StatusLimit);
-  assign request_status_o        = errs ? (half_is_refused_i ? raypath_unit_pkg::StatusRefused :
-      other_failure) : (half_state_has_hit_i ? raypath_unit_pkg::StatusHit :
+  assign request_o.status        = errs ? (half_i.is_refused ? raypath_unit_pkg::StatusRefused :
+      other_failure) : (half_i.state.has_hit ? raypath_unit_pkg::StatusHit :
       raypath_unit_pkg::StatusMiss);
 
 endmodule : raypath_unit_finish

@@ -10,83 +10,54 @@ module raypath_unit_hits #(
   parameter  logic [31:0] Contexts     = 64,
   localparam logic [31:0] ContextWidth = $clog2(Contexts)
 ) (
-  input  logic                    clk_i,
-  input  logic                    rst_ni,
-  input  logic                    ends_i,
-  input  logic [ContextWidth-1:0] context_i,
-  input  logic [2:0]              status_i,
-  input  logic                    ready_i,
-  input  logic [31:0]             next_extent_i,
-  input  logic [31:0]             next_primitive_i,
-  input  logic [31:0]             next_t_num_i,
-  input  logic [31:0]             next_t_denom_i,
-  input  logic                    next_back_face_i,
-  input  logic [31:0]             next_nodes_i,
-  input  logic [31:0]             next_triangles_i,
-  output logic                    release_o,
-  output logic [ContextWidth-1:0] context_o,
-  output logic                    valid_o,
-  output logic [2:0]              status_o,
-  output logic [31:0]             t_o,
-  output logic [31:0]             primitive_o,
-  output logic [31:0]             t_num_o,
-  output logic [31:0]             t_denom_o,
-  output logic                    back_face_o,
-  output logic [31:0]             nodes_o,
-  output logic [31:0]             triangles_o
+  input  logic                     clk_i,
+  input  logic                     rst_ni,
+  input  logic                     ends_i,
+  input  logic [ContextWidth-1:0]  context_i,
+  input  logic [2:0]               status_i,
+  input  logic                     ready_i,
+  input  raypath_unit_pkg::ended_t next_i,
+  output logic                     release_o,
+  output logic [ContextWidth-1:0]  context_o,
+  output logic                     valid_o,
+  output logic [2:0]               status_o,
+  output logic [31:0]              t_o,
+  output logic [31:0]              primitive_o,
+  output logic [31:0]              t_num_o,
+  output logic [31:0]              t_denom_o,
+  output logic                     back_face_o,
+  output logic [31:0]              nodes_o,
+  output logic [31:0]              triangles_o
 );
 
-  logic                    is_hit;
+  logic is_hit;
   // its context is free already: the memory keeps the word that it has read
-  logic                    valid_q;
-  logic                    takes;
-  logic                    ended_valid;
-  logic [ContextWidth-1:0] ended_context;
-  logic [2:0]              hits_status;
-  logic [31:0]             hits_t;
-  logic [31:0]             hits_primitive;
-  logic [31:0]             hits_t_num;
-  logic [31:0]             hits_t_denom;
-  logic                    hits_back_face;
-  logic [31:0]             hits_nodes;
-  logic [31:0]             hits_triangles;
+  logic valid_q;
+  logic ended_valid;
 
-  assign is_hit = status_i == raypath_unit_pkg::StatusHit;
-  assign takes  = ended_valid & (~valid_q | ready_i);
+  assign is_hit    = status_i == raypath_unit_pkg::StatusHit;
+  assign release_o = ended_valid & (~valid_q | ready_i);
 
   raypath_queue #(.Depth (Contexts), .Width (ContextWidth)) u_ended (
-    .clk_i, .rst_ni, .push_i (ends_i), .pop_i (takes), .data_i (context_i), .valid_o (ended_valid),
-    .data_o (ended_context)
+    .clk_i, .rst_ni, .push_i (ends_i), .pop_i (release_o), .data_i (context_i),
+    .valid_o (ended_valid), .data_o (context_o)
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (196)) u_hits (
     .clk_i, .write_enable_i (ends_i), .write_address_i (context_i),
-    .write_data_i ({status_i, next_extent_i & {32{is_hit}}, next_primitive_i & {32{is_hit}},
-        next_t_num_i & {32{is_hit}}, next_t_denom_i & {32{is_hit}}, next_back_face_i & is_hit,
-        next_nodes_i, next_triangles_i}),
-    .read_enable_i (takes), .read_address_i (ended_context),
-    .read_data_o ({hits_status, hits_t, hits_primitive, hits_t_num, hits_t_denom, hits_back_face,
-        hits_nodes, hits_triangles})
+    .write_data_i ({status_i, next_i.extent & {32{is_hit}}, next_i.primitive_index & {32{is_hit}},
+        next_i.t_num & {32{is_hit}}, next_i.t_denom & {32{is_hit}}, next_i.back_face & is_hit,
+        next_i.nodes, next_i.triangles}),
+    .read_enable_i (release_o), .read_address_i (context_o),
+    .read_data_o ({status_o, t_o, primitive_o, t_num_o, t_denom_o, back_face_o, nodes_o,
+        triangles_o})
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      valid_q <= 1'b0;
-    end else begin
-      valid_q <= takes | (valid_q & ~ready_i);
-    end
+    if (!rst_ni) valid_q <= 1'b0;
+    else valid_q <= release_o | (valid_q & ~ready_i);
   end
 
-  assign release_o   = takes;
-  assign context_o   = ended_context;
-  assign valid_o     = valid_q;
-  assign status_o    = hits_status;
-  assign t_o         = hits_t;
-  assign primitive_o = hits_primitive;
-  assign t_num_o     = hits_t_num;
-  assign t_denom_o   = hits_t_denom;
-  assign back_face_o = hits_back_face;
-  assign nodes_o     = hits_nodes;
-  assign triangles_o = hits_triangles;
+  assign valid_o = valid_q;
 
 endmodule : raypath_unit_hits

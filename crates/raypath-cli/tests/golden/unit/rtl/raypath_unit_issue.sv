@@ -17,33 +17,7 @@ module raypath_unit_issue #(
   input  logic                    arrived_failed_i,
   input  logic [ContextWidth-1:0] arrived_context_i,
   input  logic [1:0]              count_i,
-  input  logic [31:0]             word_0_i,
-  input  logic [31:0]             word_1_i,
-  input  logic [31:0]             word_2_i,
-  input  logic [31:0]             word_3_i,
-  input  logic [31:0]             word_4_i,
-  input  logic [31:0]             word_5_i,
-  input  logic [31:0]             word_6_i,
-  input  logic [31:0]             word_7_i,
-  input  logic [31:0]             word_8_i,
-  input  logic [31:0]             word_9_i,
-  input  logic [31:0]             word_10_i,
-  input  logic [31:0]             word_11_i,
-  input  logic [31:0]             word_12_i,
-  input  logic [31:0]             word_13_i,
-  input  logic [31:0]             word_14_i,
-  input  logic [31:0]             word_15_i,
-  input  logic [31:0]             word_16_i,
-  input  logic [31:0]             word_17_i,
-  input  logic [31:0]             word_18_i,
-  input  logic [31:0]             word_19_i,
-  input  logic [31:0]             word_20_i,
-  input  logic [31:0]             word_21_i,
-  input  logic [31:0]             word_22_i,
-  input  logic [31:0]             word_23_i,
-  input  logic [31:0]             word_24_i,
-  input  logic [31:0]             word_25_i,
-  input  logic [31:0]             word_26_i,
+  input  logic [863:0]            word_i,
   input  logic                    ready_i,
   input  logic                    fault_taken_i,
   output logic                    take_o,
@@ -54,21 +28,12 @@ module raypath_unit_issue #(
   output logic                    is_node_o,
   output logic [1:0]              place_o,
   output logic                    is_last_o,
-  output logic [31:0]             triangle_0_o,
-  output logic [31:0]             triangle_1_o,
-  output logic [31:0]             triangle_2_o,
-  output logic [31:0]             triangle_3_o,
-  output logic [31:0]             triangle_4_o,
-  output logic [31:0]             triangle_5_o,
-  output logic [31:0]             triangle_6_o,
-  output logic [31:0]             triangle_7_o,
-  output logic [31:0]             triangle_8_o
+  output logic [287:0]            triangle_o
 );
 
   // with the last job of a block, because the words of the next come a cycle later
   logic                    take;
   logic                    arrivals_valid;
-  logic [ContextWidth-1:0] arrivals_context;
   logic                    arrivals_failed;
   logic                    busy_q;
   logic                    failed_q;
@@ -83,71 +48,60 @@ module raypath_unit_issue #(
   raypath_queue #(.Depth (Contexts), .Width (ContextWidth + 1)) u_arrivals (
     .clk_i, .rst_ni, .push_i (arrived_i), .pop_i (take),
     .data_i ({arrived_context_i, arrived_failed_i}), .valid_o (arrivals_valid),
-    .data_o ({arrivals_context, arrivals_failed})
+    .data_o ({take_context_o, arrivals_failed})
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      busy_q <= 1'b0;
-    end else begin
-      busy_q <= take | (busy_q & ~ends);
-    end
+    if (!rst_ni) busy_q <= 1'b0;
+    else busy_q <= take | (busy_q & ~ends);
   end
 
   always_ff @(posedge clk_i) begin
     if (take) begin
       failed_q  <= arrivals_failed;
-      context_q <= arrivals_context;
+      context_q <= take_context_o;
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (take | leaves) begin
-      place_q <= take ? 2'd0 : next_place;
-    end
+    if (take | leaves) place_q <= take ? 2'd0 : next_place;
   end
 
   // ---- The job that is offered ----------------------------------------------
   logic is_node;
-  logic is_last;
-  logic fault;
-  logic offer;
 
-  assign is_node    = count_i == 2'd0;
-  assign next_place = place_q + 2'd1;
-  assign is_last    = is_node | (next_place == count_i);
-  assign fault      = busy_q & failed_q;
-  assign offer      = busy_q & ~failed_q;
-  assign leaves     = offer & ready_i;
+  assign is_node       = count_i == 2'd0;
+  assign next_place    = place_q + 2'd1;
+  assign is_last_o     = is_node | (next_place == count_i);
+  assign fault_valid_o = busy_q & failed_q;
+  assign offer_o       = busy_q & ~failed_q;
+  assign leaves        = offer_o & ready_i;
 
   // ---- The next block -------------------------------------------------------
-  assign ends = (leaves & is_last) | (fault & fault_taken_i);
+  assign ends = (leaves & is_last_o) | (fault_valid_o & fault_taken_i);
 
   // ---- Outputs --------------------------------------------------------------
-  assign take_o         = take;
-  assign take_context_o = arrivals_context;
-  assign offer_o        = offer;
-  assign fault_valid_o  = fault;
-  assign context_o      = context_q;
-  assign is_node_o      = is_node;
-  assign place_o        = place_q;
-  assign is_last_o      = is_last;
-  assign triangle_0_o   = (place_q == 2'd2) ? word_18_i : ((place_q == 2'd1) ? word_9_i : word_0_i);
-  assign triangle_1_o   = (place_q == 2'd2) ? word_19_i : ((place_q == 2'd1) ? word_10_i :
-      word_1_i);
-  assign triangle_2_o   = (place_q == 2'd2) ? word_20_i : ((place_q == 2'd1) ? word_11_i :
-      word_2_i);
-  assign triangle_3_o   = (place_q == 2'd2) ? word_21_i : ((place_q == 2'd1) ? word_12_i :
-      word_3_i);
-  assign triangle_4_o   = (place_q == 2'd2) ? word_22_i : ((place_q == 2'd1) ? word_13_i :
-      word_4_i);
-  assign triangle_5_o   = (place_q == 2'd2) ? word_23_i : ((place_q == 2'd1) ? word_14_i :
-      word_5_i);
-  assign triangle_6_o   = (place_q == 2'd2) ? word_24_i : ((place_q == 2'd1) ? word_15_i :
-      word_6_i);
-  assign triangle_7_o   = (place_q == 2'd2) ? word_25_i : ((place_q == 2'd1) ? word_16_i :
-      word_7_i);
-  assign triangle_8_o   = (place_q == 2'd2) ? word_26_i : ((place_q == 2'd1) ? word_17_i :
-      word_8_i);
+  assign take_o              = take;
+  assign context_o           = context_q;
+  assign is_node_o           = is_node;
+  assign place_o             = place_q;
+  assign triangle_o[31:0]    = (place_q == 2'd2) ? word_i[607:576] : ((place_q == 2'd1) ?
+      word_i[319:288] : word_i[31:0]);
+  assign triangle_o[63:32]   = (place_q == 2'd2) ? word_i[639:608] : ((place_q == 2'd1) ?
+      word_i[351:320] : word_i[63:32]);
+  assign triangle_o[95:64]   = (place_q == 2'd2) ? word_i[671:640] : ((place_q == 2'd1) ?
+      word_i[383:352] : word_i[95:64]);
+  assign triangle_o[127:96]  = (place_q == 2'd2) ? word_i[703:672] : ((place_q == 2'd1) ?
+      word_i[415:384] : word_i[127:96]);
+  assign triangle_o[159:128] = (place_q == 2'd2) ? word_i[735:704] : ((place_q == 2'd1) ?
+      word_i[447:416] : word_i[159:128]);
+  assign triangle_o[191:160] = (place_q == 2'd2) ? word_i[767:736] : ((place_q == 2'd1) ?
+      word_i[479:448] : word_i[191:160]);
+  assign triangle_o[223:192] = (place_q == 2'd2) ? word_i[799:768] : ((place_q == 2'd1) ?
+      word_i[511:480] : word_i[223:192]);
+  assign triangle_o[255:224] = (place_q == 2'd2) ? word_i[831:800] : ((place_q == 2'd1) ?
+      word_i[543:512] : word_i[255:224]);
+  assign triangle_o[287:256] = (place_q == 2'd2) ? word_i[863:832] : ((place_q == 2'd1) ?
+      word_i[575:544] : word_i[287:256]);
 
 endmodule : raypath_unit_issue

@@ -68,4 +68,163 @@ package raypath_unit_pkg;
     RequestCandidate = 2'd3
   } request_e;
 
+  // A point or a direction.
+  typedef struct packed {
+    logic [31:0] x;
+    logic [31:0] y;
+    logic [31:0] z;
+  } vector_t;
+
+  // What is kept of a ray between its steps.
+  typedef struct packed {
+    logic [31:0] extent;
+    logic        has_hit;
+    logic [31:0] t_num;
+    logic [31:0] t_denom;
+    logic        back_face;
+    logic [31:0] primitive_index;
+    logic [31:0] nodes;
+    logic [31:0] triangles;
+    logic [6:0]  level;
+    logic [31:0] pending_low;
+    logic [31:0] pending_high;
+    logic [31:0] place_low_low;
+    logic [31:0] place_low_high;
+    logic [31:0] place_high_low;
+    logic [31:0] place_high_high;
+    logic [6:0]  base;
+    logic        restarting;
+    logic [6:0]  target;
+    logic [31:0] leaf_address;
+    logic [3:0]  leaf_left;
+  } state_t;
+
+  // An entry of the stack: children of a node that wait.
+  typedef struct packed {
+    logic [2:0]  present;
+    logic [31:0] child_0;
+    logic [31:0] child_1;
+    logic [31:0] child_2;
+    logic [31:0] tmin_0;
+    logic [31:0] tmin_1;
+    logic [31:0] tmin_2;
+  } group_t;
+
+  // The closest hit of a block.
+  typedef struct packed {
+    logic        is_hit;
+    logic [31:0] t;
+    logic [31:0] t_num;
+    logic [31:0] t_denom;
+    logic        is_clockwise;
+    logic [31:0] primitive_index;
+  } closest_t;
+
+  // The outcome of a box job.
+  typedef struct packed {
+    logic [3:0]  hit;
+    logic [31:0] tmin_0;
+    logic [31:0] tmin_1;
+    logic [31:0] tmin_2;
+    logic [1:0]  box_index_0;
+    logic [1:0]  box_index_1;
+    logic [1:0]  box_index_2;
+    logic [1:0]  box_index_3;
+  } boxes_t;
+
+  // What a ray learns in a step.
+  typedef struct packed {
+    logic [3:0]  kind;
+    logic [3:0]  hit;
+    logic [31:0] tmin_0;
+    logic [31:0] tmin_1;
+    logic [31:0] tmin_2;
+    logic [1:0]  box_index_0;
+    logic [1:0]  box_index_1;
+    logic [1:0]  box_index_2;
+    logic [1:0]  box_index_3;
+    logic [31:0] child_0;
+    logic [31:0] child_1;
+    logic [31:0] child_2;
+    logic [31:0] child_3;
+    closest_t    closest;
+  } answer_t;
+
+  // A step before the stack is read.
+  typedef struct packed {
+    logic        state_any_hit;
+    logic [31:0] state_root;
+    state_t      state;
+    logic        starts;
+    logic        failed;
+    logic        is_refused;
+    logic        cannot_enter;
+    logic        descends;
+    logic        is_lost;
+    logic        leaf_continues;
+    logic        ends;
+    logic        pops;
+    logic        is_empty;
+    logic        is_at_limit;
+    logic        is_on_stack;
+    logic [6:0]  deepest;
+    logic [6:0]  parent;
+    logic [1:0]  place;
+    logic [31:0] child;
+    group_t      rest;
+  } half_t;
+
+  // What a ray asks for after a step, and what it pushes.
+  typedef struct packed {
+    logic [1:0]  kind;
+    logic [31:0] address;
+    logic [1:0]  count;
+    logic        writes;
+    logic [6:0]  level;
+    group_t      group;
+    logic [2:0]  status;
+  } request_t;
+
+  // A ray as it enters.
+  typedef struct packed {
+    vector_t     origin;
+    vector_t     dir;
+    logic [31:0] t_min;
+    logic [31:0] t_max;
+  } entry_t;
+
+  // The constants of a ray.
+  typedef struct packed {
+    vector_t    inv;
+    vector_t    shear;
+    logic [1:0] kx;
+    logic [1:0] ky;
+    logic [1:0] kz;
+  } constants_t;
+
+  // What the hits of a ray depend on.
+  typedef struct packed {
+    logic [31:0] t_min;
+    logic        culls_clockwise;
+    logic        culls_counter_clockwise;
+  } limits_t;
+
+  // What a ray begins with.
+  typedef struct packed {
+    logic [31:0] root;
+    logic [31:0] t_max;
+    logic        any_hit;
+  } begin_t;
+
+  // What a hit shows of the state of its ray.
+  typedef struct packed {
+    logic [31:0] extent;
+    logic [31:0] primitive_index;
+    logic [31:0] t_num;
+    logic [31:0] t_denom;
+    logic        back_face;
+    logic [31:0] nodes;
+    logic [31:0] triangles;
+  } ended_t;
+
 endpackage : raypath_unit_pkg

@@ -6,97 +6,15 @@
 //
 // What happens to a ray when an answer arrives, before its stack is read.
 // A ray whose stack has lost the deepest pending level descends again from the root, along the
-// places of the
-// children that it took (a restart trail), and takes the next child at that level.
+// places of the children that it took (a restart trail), and takes the next child at that level.
 
 module raypath_unit_prepare (
-  input  logic        state_any_hit_i,
-  input  logic [31:0] state_root_i,
-  input  logic [31:0] state_extent_i,
-  input  logic        state_has_hit_i,
-  input  logic [31:0] state_t_num_i,
-  input  logic [31:0] state_t_denom_i,
-  input  logic        state_back_face_i,
-  input  logic [31:0] state_primitive_i,
-  input  logic [31:0] state_nodes_i,
-  input  logic [31:0] state_triangles_i,
-  input  logic [6:0]  state_level_i,
-  input  logic [31:0] state_pending_low_i,
-  input  logic [31:0] state_pending_high_i,
-  input  logic [31:0] state_place_low_low_i,
-  input  logic [31:0] state_place_low_high_i,
-  input  logic [31:0] state_place_high_low_i,
-  input  logic [31:0] state_place_high_high_i,
-  input  logic [6:0]  state_base_i,
-  input  logic        state_restarting_i,
-  input  logic [6:0]  state_target_i,
-  input  logic [31:0] state_leaf_address_i,
-  input  logic [3:0]  state_leaf_left_i,
-  input  logic [3:0]  answer_kind_i,
-  input  logic [3:0]  answer_hit_i,
-  input  logic [31:0] answer_tmin_0_i,
-  input  logic [31:0] answer_tmin_1_i,
-  input  logic [31:0] answer_tmin_2_i,
-  input  logic [1:0]  answer_box_index_0_i,
-  input  logic [1:0]  answer_box_index_1_i,
-  input  logic [1:0]  answer_box_index_2_i,
-  input  logic [1:0]  answer_box_index_3_i,
-  input  logic [31:0] answer_child_0_i,
-  input  logic [31:0] answer_child_1_i,
-  input  logic [31:0] answer_child_2_i,
-  input  logic [31:0] answer_child_3_i,
-  input  logic        answer_closest_is_hit_i,
-  input  logic [31:0] answer_closest_t_i,
-  input  logic [31:0] answer_closest_t_num_i,
-  input  logic [31:0] answer_closest_t_denom_i,
-  input  logic        answer_closest_is_clockwise_i,
-  input  logic [31:0] answer_closest_primitive_i,
-  input  logic [31:0] node_limit_i,
-  output logic        half_state_any_hit_o,
-  output logic [31:0] half_state_root_o,
-  output logic [31:0] half_state_extent_o,
-  output logic        half_state_has_hit_o,
-  output logic [31:0] half_state_t_num_o,
-  output logic [31:0] half_state_t_denom_o,
-  output logic        half_state_back_face_o,
-  output logic [31:0] half_state_primitive_o,
-  output logic [31:0] half_state_nodes_o,
-  output logic [31:0] half_state_triangles_o,
-  output logic [6:0]  half_state_level_o,
-  output logic [31:0] half_state_pending_low_o,
-  output logic [31:0] half_state_pending_high_o,
-  output logic [31:0] half_state_place_low_low_o,
-  output logic [31:0] half_state_place_low_high_o,
-  output logic [31:0] half_state_place_high_low_o,
-  output logic [31:0] half_state_place_high_high_o,
-  output logic [6:0]  half_state_base_o,
-  output logic        half_state_restarting_o,
-  output logic [6:0]  half_state_target_o,
-  output logic [31:0] half_state_leaf_address_o,
-  output logic [3:0]  half_state_leaf_left_o,
-  output logic        half_starts_o,
-  output logic        half_failed_o,
-  output logic        half_is_refused_o,
-  output logic        half_cannot_enter_o,
-  output logic        half_descends_o,
-  output logic        half_is_lost_o,
-  output logic        half_leaf_continues_o,
-  output logic        half_ends_o,
-  output logic        half_pops_o,
-  output logic        half_is_empty_o,
-  output logic        half_is_at_limit_o,
-  output logic        half_is_on_stack_o,
-  output logic [6:0]  half_deepest_o,
-  output logic [6:0]  half_parent_o,
-  output logic [1:0]  half_place_o,
-  output logic [31:0] half_child_o,
-  output logic [2:0]  half_rest_present_o,
-  output logic [31:0] half_rest_child_0_o,
-  output logic [31:0] half_rest_child_1_o,
-  output logic [31:0] half_rest_child_2_o,
-  output logic [31:0] half_rest_tmin_0_o,
-  output logic [31:0] half_rest_tmin_1_o,
-  output logic [31:0] half_rest_tmin_2_o
+  input  logic                      state_any_hit_i,
+  input  logic [31:0]               state_root_i,
+  input  raypath_unit_pkg::state_t  state_i,
+  input  raypath_unit_pkg::answer_t answer_i,
+  input  logic [31:0]               node_limit_i,
+  output raypath_unit_pkg::half_t   half_o
 );
 
   logic        has_boxes;
@@ -142,86 +60,87 @@ module raypath_unit_prepare (
   logic [6:0]  deepest;
   logic [1:0]  place;
 
-  assign half_state_any_hit_o         = state_any_hit_i;
-  assign half_state_root_o            = state_root_i;
-  assign has_block                    = answer_kind_i == raypath_unit_pkg::AnswerBlock;
-  assign unordered                    = (31'h7f80_0000 < answer_closest_t_i[30:0]) | (31'h7f80_0000
-      < state_extent_i[30:0]);
-  assign equal                        = (answer_closest_t_i == state_extent_i) |
-      ((answer_closest_t_i[30:0] == 31'd0) & (state_extent_i[30:0] == 31'd0));
-  assign alike_below                  = answer_closest_t_i[31] ? state_extent_i[30:0] <
-      answer_closest_t_i[30:0] : answer_closest_t_i[30:0] < state_extent_i[30:0];
-  assign is_better                    = (~unordered & ((answer_closest_t_i[31] ^ state_extent_i[31])
-      ? answer_closest_t_i[31] : alike_below) & ~equal) | (~unordered & equal & state_has_hit_i &
-      (answer_closest_primitive_i < state_primitive_i));
-  assign is_closer                    = has_block & answer_closest_is_hit_i & is_better;
-  assign half_state_extent_o          = is_closer ? answer_closest_t_i : state_extent_i;
-  assign half_state_has_hit           = state_has_hit_i | is_closer;
-  assign half_state_has_hit_o         = half_state_has_hit;
-  assign half_state_t_num_o           = is_closer ? answer_closest_t_num_i : state_t_num_i;
-  assign half_state_t_denom_o         = is_closer ? answer_closest_t_denom_i : state_t_denom_i;
-  assign half_state_back_face_o       = is_closer ? answer_closest_is_clockwise_i :
-      state_back_face_i;
-  assign half_state_primitive_o       = is_closer ? answer_closest_primitive_i : state_primitive_i;
-  assign half_state_nodes_o           = state_nodes_i;
-  assign half_state_triangles_o       = state_triangles_i;
-  assign half_state_level_o           = state_level_i;
-  assign half_state_pending_low_o     = state_pending_low_i;
-  assign half_state_pending_high_o    = state_pending_high_i;
-  assign half_state_place_low_low_o   = state_place_low_low_i;
-  assign half_state_place_low_high_o  = state_place_low_high_i;
-  assign half_state_place_high_low_o  = state_place_high_low_i;
-  assign half_state_place_high_high_o = state_place_high_high_i;
-  assign half_state_base_o            = state_base_i;
-  assign has_boxes                    = answer_kind_i == raypath_unit_pkg::AnswerBoxes;
-  assign at_target                    = state_level_i == state_target_i;
-  assign place_1                      = state_level_i[5] ? |(state_place_high_high_i & (32'd1 <<
-      state_level_i[4:0])) : |(state_place_high_low_i & (32'd1 << state_level_i[4:0]));
-  assign place_0                      = state_level_i[5] ? |(state_place_low_high_i & (32'd1 <<
-      state_level_i[4:0])) : |(state_place_low_low_i & (32'd1 << state_level_i[4:0]));
+  assign half_o.state_any_hit         = state_any_hit_i;
+  assign half_o.state_root            = state_root_i;
+  assign has_block                    = answer_i.kind == raypath_unit_pkg::AnswerBlock;
+  assign unordered                    = (31'h7f80_0000 < answer_i.closest.t[30:0]) | (31'h7f80_0000
+      < state_i.extent[30:0]);
+  assign equal                        = (answer_i.closest.t == state_i.extent) |
+      ((answer_i.closest.t[30:0] == 31'd0) & (state_i.extent[30:0] == 31'd0));
+  assign alike_below                  = answer_i.closest.t[31] ? state_i.extent[30:0] <
+      answer_i.closest.t[30:0] : answer_i.closest.t[30:0] < state_i.extent[30:0];
+  assign is_better                    = (~unordered & ((answer_i.closest.t[31] ^ state_i.extent[31])
+      ? answer_i.closest.t[31] : alike_below) & ~equal) | (~unordered & equal & state_i.has_hit &
+      (answer_i.closest.primitive_index < state_i.primitive_index));
+  assign is_closer                    = has_block & answer_i.closest.is_hit & is_better;
+  assign half_o.state.extent          = is_closer ? answer_i.closest.t : state_i.extent;
+  assign half_state_has_hit           = state_i.has_hit | is_closer;
+  assign half_o.state.has_hit         = half_state_has_hit;
+  assign half_o.state.t_num           = is_closer ? answer_i.closest.t_num : state_i.t_num;
+  assign half_o.state.t_denom         = is_closer ? answer_i.closest.t_denom : state_i.t_denom;
+  assign half_o.state.back_face       = is_closer ? answer_i.closest.is_clockwise :
+      state_i.back_face;
+  assign half_o.state.primitive_index = is_closer ? answer_i.closest.primitive_index :
+      state_i.primitive_index;
+  assign half_o.state.nodes           = state_i.nodes;
+  assign half_o.state.triangles       = state_i.triangles;
+  assign half_o.state.level           = state_i.level;
+  assign half_o.state.pending_low     = state_i.pending_low;
+  assign half_o.state.pending_high    = state_i.pending_high;
+  assign half_o.state.place_low_low   = state_i.place_low_low;
+  assign half_o.state.place_low_high  = state_i.place_low_high;
+  assign half_o.state.place_high_low  = state_i.place_high_low;
+  assign half_o.state.place_high_high = state_i.place_high_high;
+  assign half_o.state.base            = state_i.base;
+  assign has_boxes                    = answer_i.kind == raypath_unit_pkg::AnswerBoxes;
+  assign at_target                    = state_i.level == state_i.target;
+  assign place_1                      = state_i.level[5] ? |(state_i.place_high_high & (32'd1 <<
+      state_i.level[4:0])) : |(state_i.place_high_low & (32'd1 << state_i.level[4:0]));
+  assign place_0                      = state_i.level[5] ? |(state_i.place_low_high & (32'd1 <<
+      state_i.level[4:0])) : |(state_i.place_low_low & (32'd1 << state_i.level[4:0]));
   assign along                        = {1'b0, place_1, place_0};
-  assign first                        = state_restarting_i ? (at_target ? along + 3'd1 : along) :
+  assign first                        = state_i.restarting ? (at_target ? along + 3'd1 : along) :
       3'd0;
-  assign is_hit                       = ~first[2] & (first[1] ? (first[0] ? answer_hit_i[3] :
-      answer_hit_i[2]) : (first[0] ? answer_hit_i[1] : answer_hit_i[0]));
+  assign is_hit                       = ~first[2] & (first[1] ? (first[0] ? answer_i.hit[3] :
+      answer_i.hit[2]) : (first[0] ? answer_i.hit[1] : answer_i.hit[0]));
   assign descends                     = has_boxes & is_hit;
-  assign is_lost                      = has_boxes & ~is_hit & state_restarting_i;
-  assign half_state_restarting_o      = state_restarting_i & ~is_lost & ~(descends & at_target);
-  assign half_state_target_o          = state_target_i;
-  assign has_next                     = 4'd3 < state_leaf_left_i;
+  assign is_lost                      = has_boxes & ~is_hit & state_i.restarting;
+  assign half_o.state.restarting      = state_i.restarting & ~is_lost & ~(descends & at_target);
+  assign half_o.state.target          = state_i.target;
+  assign has_next                     = 4'd3 < state_i.leaf_left;
   assign next_block                   = has_block & has_next;
-  assign half_state_leaf_address_o    = next_block ? state_leaf_address_i + 32'd128 :
-      state_leaf_address_i;
-  assign half_state_leaf_left_o       = next_block ? state_leaf_left_i + 4'd13 : state_leaf_left_i;
-  assign half_starts_o                = answer_kind_i == raypath_unit_pkg::AnswerStart;
-  assign is_refused                   = answer_kind_i == raypath_unit_pkg::AnswerRefused;
-  assign half_failed_o                = (answer_kind_i == raypath_unit_pkg::AnswerError) |
+  assign half_o.state.leaf_address    = next_block ? state_i.leaf_address + 32'd128 :
+      state_i.leaf_address;
+  assign half_o.state.leaf_left       = next_block ? state_i.leaf_left + 4'd13 : state_i.leaf_left;
+  assign half_o.starts                = answer_i.kind == raypath_unit_pkg::AnswerStart;
+  assign is_refused                   = answer_i.kind == raypath_unit_pkg::AnswerRefused;
+  assign half_o.failed                = (answer_i.kind == raypath_unit_pkg::AnswerError) |
       is_refused;
-  assign half_is_refused_o            = is_refused;
-  assign half_cannot_enter_o          = 1'b0;
-  assign half_descends_o              = descends;
-  assign half_is_lost_o               = is_lost;
+  assign half_o.is_refused            = is_refused;
+  assign half_o.cannot_enter          = 1'b0;
+  assign half_o.descends              = descends;
+  assign half_o.is_lost               = is_lost;
   assign ends                         = has_block & state_any_hit_i & half_state_has_hit;
   assign goes_on                      = has_block & ~ends;
-  assign half_leaf_continues_o        = goes_on & has_next;
-  assign half_ends_o                  = ends;
-  assign half_pops_o                  = (goes_on & ~has_next) | (answer_kind_i ==
-      raypath_unit_pkg::AnswerContinue) | (has_boxes & ~is_hit & ~state_restarting_i);
-  assign half_is_empty_o              = (state_pending_low_i == 32'd0) & (state_pending_high_i ==
+  assign half_o.leaf_continues        = goes_on & has_next;
+  assign half_o.ends                  = ends;
+  assign half_o.pops                  = (goes_on & ~has_next) | (answer_i.kind ==
+      raypath_unit_pkg::AnswerContinue) | (has_boxes & ~is_hit & ~state_i.restarting);
+  assign half_o.is_empty              = (state_i.pending_low == 32'd0) & (state_i.pending_high ==
       32'd0);
-  assign half_is_at_limit_o           = ~(state_nodes_i < node_limit_i) & (node_limit_i != 32'd0);
-  assign in_low                       = state_pending_high_i == 32'd0;
-  assign is_in_upper_16               = |state_pending_low_i[31:16];
-  assign half_of_16                   = is_in_upper_16 ? state_pending_low_i[31:17] :
-      state_pending_low_i[15:1];
+  assign half_o.is_at_limit           = ~(state_i.nodes < node_limit_i) & (node_limit_i != 32'd0);
+  assign in_low                       = state_i.pending_high == 32'd0;
+  assign is_in_upper_16               = |state_i.pending_low[31:16];
+  assign half_of_16                   = is_in_upper_16 ? state_i.pending_low[31:17] :
+      state_i.pending_low[15:1];
   assign is_in_upper_8                = |half_of_16[14:7];
   assign half_of_8                    = is_in_upper_8 ? half_of_16[14:8] : half_of_16[6:0];
   assign is_in_upper_4                = |half_of_8[6:3];
   assign half_of_4                    = is_in_upper_4 ? half_of_8[6:4] : half_of_8[2:0];
   assign is_in_upper_2                = |half_of_4[2:1];
-  assign is_in_upper_16_2             = |state_pending_high_i[31:16];
-  assign half_of_16_2                 = is_in_upper_16_2 ? state_pending_high_i[31:17] :
-      state_pending_high_i[15:1];
+  assign is_in_upper_16_2             = |state_i.pending_high[31:16];
+  assign half_of_16_2                 = is_in_upper_16_2 ? state_i.pending_high[31:17] :
+      state_i.pending_high[15:1];
   assign is_in_upper_8_2              = |half_of_16_2[14:7];
   assign half_of_8_2                  = is_in_upper_8_2 ? half_of_16_2[14:8] : half_of_16_2[6:0];
   assign is_in_upper_4_2              = |half_of_8_2[6:3];
@@ -232,34 +151,34 @@ module raypath_unit_prepare (
       is_in_upper_8_2, is_in_upper_4_2, is_in_upper_2_2, is_in_upper_2_2 ? half_of_4_2[2] :
       half_of_4_2[0]};
   assign deepest                      = {1'b0, ~in_low, index};
-  assign half_is_on_stack_o           = ~(deepest < state_base_i);
-  assign half_deepest_o               = deepest;
-  assign half_parent_o                = descends ? state_level_i : deepest;
-  assign place                        = {deepest[5] ? |(state_place_high_high_i & (32'd1 <<
-      deepest[4:0])) : |(state_place_high_low_i & (32'd1 << deepest[4:0])), deepest[5] ?
-      |(state_place_low_high_i & (32'd1 << deepest[4:0])) : |(state_place_low_low_i & (32'd1 <<
+  assign half_o.is_on_stack           = ~(deepest < state_i.base);
+  assign half_o.deepest               = deepest;
+  assign half_o.parent                = descends ? state_i.level : deepest;
+  assign place                        = {deepest[5] ? |(state_i.place_high_high & (32'd1 <<
+      deepest[4:0])) : |(state_i.place_high_low & (32'd1 << deepest[4:0])), deepest[5] ?
+      |(state_i.place_low_high & (32'd1 << deepest[4:0])) : |(state_i.place_low_low & (32'd1 <<
       deepest[4:0]))};
-  assign half_place_o                 = descends ? first[1:0] : place + 2'd1;
-  assign number                       = first[1] ? (first[0] ? answer_box_index_3_i :
-      answer_box_index_2_i) : (first[0] ? answer_box_index_1_i : answer_box_index_0_i);
-  assign half_child_o                 = number[1] ? (number[0] ? answer_child_3_i :
-      answer_child_2_i) : (number[0] ? answer_child_1_i : answer_child_0_i);
-  assign half_rest_present_o          = {~first[2] & ~first[1] & ~first[0] & answer_hit_i[3],
-      ~first[2] & ~first[1] & (first[0] ? answer_hit_i[3] : answer_hit_i[2]), ~first[2] & (first[1]
-      ? ~first[0] & answer_hit_i[3] : (first[0] ? answer_hit_i[2] : answer_hit_i[1]))};
-  assign number_2                     = first[1] ? answer_box_index_3_i : (first[0] ?
-      answer_box_index_2_i : answer_box_index_1_i);
-  assign half_rest_child_0_o          = number_2[1] ? (number_2[0] ? answer_child_3_i :
-      answer_child_2_i) : (number_2[0] ? answer_child_1_i : answer_child_0_i);
-  assign number_3                     = first[0] ? answer_box_index_3_i : answer_box_index_2_i;
-  assign half_rest_child_1_o          = number_3[1] ? (number_3[0] ? answer_child_3_i :
-      answer_child_2_i) : (number_3[0] ? answer_child_1_i : answer_child_0_i);
-  assign half_rest_child_2_o          = answer_box_index_3_i[1] ? (answer_box_index_3_i[0] ?
-      answer_child_3_i : answer_child_2_i) : (answer_box_index_3_i[0] ? answer_child_1_i :
-      answer_child_0_i);
-  assign half_rest_tmin_0_o           = first[1] ? answer_tmin_2_i : (first[0] ? answer_tmin_1_i :
-      answer_tmin_0_i);
-  assign half_rest_tmin_1_o           = first[0] ? answer_tmin_2_i : answer_tmin_1_i;
-  assign half_rest_tmin_2_o           = answer_tmin_2_i;
+  assign half_o.place                 = descends ? first[1:0] : place + 2'd1;
+  assign number                       = first[1] ? (first[0] ? answer_i.box_index_3 :
+      answer_i.box_index_2) : (first[0] ? answer_i.box_index_1 : answer_i.box_index_0);
+  assign half_o.child                 = number[1] ? (number[0] ? answer_i.child_3 :
+      answer_i.child_2) : (number[0] ? answer_i.child_1 : answer_i.child_0);
+  assign half_o.rest.present          = {~first[2] & ~first[1] & ~first[0] & answer_i.hit[3],
+      ~first[2] & ~first[1] & (first[0] ? answer_i.hit[3] : answer_i.hit[2]), ~first[2] & (first[1]
+      ? ~first[0] & answer_i.hit[3] : (first[0] ? answer_i.hit[2] : answer_i.hit[1]))};
+  assign number_2                     = first[1] ? answer_i.box_index_3 : (first[0] ?
+      answer_i.box_index_2 : answer_i.box_index_1);
+  assign half_o.rest.child_0          = number_2[1] ? (number_2[0] ? answer_i.child_3 :
+      answer_i.child_2) : (number_2[0] ? answer_i.child_1 : answer_i.child_0);
+  assign number_3                     = first[0] ? answer_i.box_index_3 : answer_i.box_index_2;
+  assign half_o.rest.child_1          = number_3[1] ? (number_3[0] ? answer_i.child_3 :
+      answer_i.child_2) : (number_3[0] ? answer_i.child_1 : answer_i.child_0);
+  assign half_o.rest.child_2          = answer_i.box_index_3[1] ? (answer_i.box_index_3[0] ?
+      answer_i.child_3 : answer_i.child_2) : (answer_i.box_index_3[0] ? answer_i.child_1 :
+      answer_i.child_0);
+  assign half_o.rest.tmin_0           = first[1] ? answer_i.tmin_2 : (first[0] ? answer_i.tmin_1 :
+      answer_i.tmin_0);
+  assign half_o.rest.tmin_1           = first[0] ? answer_i.tmin_2 : answer_i.tmin_1;
+  assign half_o.rest.tmin_2           = answer_i.tmin_2;
 
 endmodule : raypath_unit_prepare

@@ -11,82 +11,52 @@ module raypath_unit_rays #(
   parameter  logic [31:0] IdWidth      = 16,
   localparam logic [31:0] ContextWidth = $clog2(Contexts)
 ) (
-  input  logic                    clk_i,
-  input  logic                    rst_ni,
-  input  logic                    valid_i,
-  input  logic [31:0]             entry_origin_x_i,
-  input  logic [31:0]             entry_origin_y_i,
-  input  logic [31:0]             entry_origin_z_i,
-  input  logic [31:0]             entry_dir_x_i,
-  input  logic [31:0]             entry_dir_y_i,
-  input  logic [31:0]             entry_dir_z_i,
-  input  logic [31:0]             entry_t_min_i,
-  input  logic [31:0]             entry_t_max_i,
-  input  logic [IdWidth-1:0]      id_i,
-  input  logic [9:0]              flags_i,
-  input  logic [31:0]             root_i,
-  input  logic                    start_taken_i,
-  input  logic                    release_i,
-  input  logic [ContextWidth-1:0] hit_context_i,
-  input  logic                    job_read_i,
-  input  logic [ContextWidth-1:0] job_context_i,
-  input  logic                    limits_read_i,
-  input  logic [ContextWidth-1:0] limits_context_i,
-  input  logic                    step_read_i,
-  input  logic [ContextWidth-1:0] step_context_i,
-  output logic                    ready_o,
-  output logic                    is_idle_o,
-  output logic                    start_valid_o,
-  output logic [ContextWidth-1:0] start_context_o,
-  output logic                    start_is_refused_o,
-  output logic [IdWidth-1:0]      id_o,
-  output logic [31:0]             limits_t_min_o,
-  output logic                    limits_culls_clockwise_o,
-  output logic                    limits_culls_counter_clockwise_o,
-  output logic [31:0]             job_origin_x_o,
-  output logic [31:0]             job_origin_y_o,
-  output logic [31:0]             job_origin_z_o,
-  output logic [31:0]             job_inv_x_o,
-  output logic [31:0]             job_inv_y_o,
-  output logic [31:0]             job_inv_z_o,
-  output logic [31:0]             job_shear_x_o,
-  output logic [31:0]             job_shear_y_o,
-  output logic [31:0]             job_shear_z_o,
-  output logic [1:0]              job_kx_o,
-  output logic [1:0]              job_ky_o,
-  output logic [1:0]              job_kz_o,
-  output logic [31:0]             begin_root_o,
-  output logic [31:0]             begin_t_max_o,
-  output logic                    begin_any_hit_o
+  input  logic                         clk_i,
+  input  logic                         rst_ni,
+  input  logic                         valid_i,
+  input  raypath_unit_pkg::entry_t     entry_i,
+  input  logic [IdWidth-1:0]           id_i,
+  input  logic [9:0]                   flags_i,
+  input  logic [31:0]                  root_i,
+  input  logic                         start_taken_i,
+  input  logic                         release_i,
+  input  logic [ContextWidth-1:0]      hit_context_i,
+  input  logic                         job_read_i,
+  input  logic [ContextWidth-1:0]      job_context_i,
+  input  logic                         limits_read_i,
+  input  logic [ContextWidth-1:0]      limits_context_i,
+  input  logic                         step_read_i,
+  input  logic [ContextWidth-1:0]      step_context_i,
+  output logic                         ready_o,
+  output logic                         is_idle_o,
+  output logic                         start_valid_o,
+  output logic [ContextWidth-1:0]      start_context_o,
+  output logic                         start_is_refused_o,
+  output logic [IdWidth-1:0]           id_o,
+  output raypath_unit_pkg::limits_t    limits_o,
+  output raypath_unit_pkg::vector_t    job_origin_o,
+  output raypath_unit_pkg::constants_t job_o,
+  output raypath_unit_pkg::begin_t     begin_o
 );
 
   // ---- A ray enters a free context ------------------------------------------
-  logic                    enters;
-  logic                    contexts_valid;
-  logic [ContextWidth-1:0] contexts_context;
-  logic                    both;
-  logic                    mixed;
-  logic                    any_face;
-  logic                    faces;
-  logic                    is_meaningless;
-  logic                    set_up_ready;
-  logic                    set_up_valid;
-  logic [ContextWidth-1:0] set_up_context;
-  logic                    set_up_is_refused;
-  logic [31:0]             set_up_inv_x;
-  logic [31:0]             set_up_inv_y;
-  logic [31:0]             set_up_inv_z;
-  logic [31:0]             set_up_shear_x;
-  logic [31:0]             set_up_shear_y;
-  logic [31:0]             set_up_shear_z;
-  logic [1:0]              set_up_kx;
-  logic [1:0]              set_up_ky;
-  logic [1:0]              set_up_kz;
-  logic                    ready;
-  logic                    unused_flag;
+  logic                         enters;
+  logic                         contexts_valid;
+  logic [ContextWidth-1:0]      contexts_context;
+  logic                         both;
+  logic                         mixed;
+  logic                         any_face;
+  logic                         faces;
+  logic                         is_meaningless;
+  logic                         set_up_ready;
+  logic                         set_up_valid;
+  logic [ContextWidth-1:0]      set_up_context;
+  logic                         set_up_is_refused;
+  raypath_unit_pkg::constants_t set_up;
+  logic                         unused_flag;
 
   assign unused_flag = flags_i[raypath_unit_pkg::RayFlagSkipClosestHitShader];
-  assign enters      = valid_i & ready;
+  assign enters      = valid_i & ready_o;
 
   raypath_unit_contexts #(.Contexts (Contexts)) u_contexts (
     .clk_i, .rst_ni, .take_i (enters), .release_i, .released_i (hit_context_i), .is_idle_o,
@@ -108,51 +78,29 @@ module raypath_unit_rays #(
       flags_i[raypath_unit_pkg::RayFlagSkipAabbs]);
 
   raypath_unit_set_up #(.Contexts (Contexts)) u_set_up (
-    .clk_i, .rst_ni, .valid_i (valid_i & contexts_valid), .entry_origin_x_i, .entry_origin_y_i,
-    .entry_origin_z_i, .entry_dir_x_i, .entry_dir_y_i, .entry_dir_z_i, .entry_t_min_i,
-    .entry_t_max_i, .is_meaningless_i (is_meaningless), .context_i (contexts_context),
-    .ready_o (set_up_ready), .valid_o (set_up_valid), .context_o (set_up_context),
-    .is_refused_o (set_up_is_refused), .inv_x_o (set_up_inv_x), .inv_y_o (set_up_inv_y),
-    .inv_z_o (set_up_inv_z), .shear_x_o (set_up_shear_x), .shear_y_o (set_up_shear_y),
-    .shear_z_o (set_up_shear_z), .kx_o (set_up_kx), .ky_o (set_up_ky), .kz_o (set_up_kz)
+    .clk_i, .rst_ni, .valid_i (valid_i & contexts_valid), .entry_i,
+    .is_meaningless_i (is_meaningless), .context_i (contexts_context), .ready_o (set_up_ready),
+    .valid_o (set_up_valid), .context_o (set_up_context), .is_refused_o (set_up_is_refused),
+    .inv_o (set_up.inv), .shear_o (set_up.shear), .kx_o (set_up.kx), .ky_o (set_up.ky),
+    .kz_o (set_up.kz)
   );
 
-  assign ready = set_up_ready & contexts_valid;
+  assign ready_o = set_up_ready & contexts_valid;
 
   // ---- What is kept of it, by reader ----------------------------------------
-  logic               culls_all;
-  logic               limits_write_limits_culls_clockwise;
-  logic               limits_write_limits_culls_counter_clockwise;
-  logic [IdWidth-1:0] ids_id;
-  logic [31:0]        origins_origin_x;
-  logic [31:0]        origins_origin_y;
-  logic [31:0]        origins_origin_z;
-  logic [31:0]        limits_limits_t_min;
-  logic               limits_limits_culls_clockwise;
-  logic               limits_limits_culls_counter_clockwise;
-  logic [31:0]        begins_root;
-  logic [31:0]        begins_t_max;
-  logic               begins_any_hit;
-  logic [31:0]        constants_inv_x;
-  logic [31:0]        constants_inv_y;
-  logic [31:0]        constants_inv_z;
-  logic [31:0]        constants_shear_x;
-  logic [31:0]        constants_shear_y;
-  logic [31:0]        constants_shear_z;
-  logic [1:0]         constants_kx;
-  logic [1:0]         constants_ky;
-  logic [1:0]         constants_kz;
+  logic culls_all;
+  logic limits_write_limits_culls_clockwise;
+  logic limits_write_limits_culls_counter_clockwise;
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (IdWidth)) u_ids (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context), .write_data_i (id_i),
-    .read_enable_i (release_i), .read_address_i (hit_context_i), .read_data_o (ids_id)
+    .read_enable_i (release_i), .read_address_i (hit_context_i), .read_data_o (id_o)
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (96)) u_origins (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
-    .write_data_i ({entry_origin_x_i, entry_origin_y_i, entry_origin_z_i}),
-    .read_enable_i (job_read_i), .read_address_i (job_context_i),
-    .read_data_o ({origins_origin_x, origins_origin_y, origins_origin_z})
+    .write_data_i (entry_i.origin), .read_enable_i (job_read_i), .read_address_i (job_context_i),
+    .read_data_o (job_origin_o)
   );
 
   assign culls_all                                   =
@@ -165,27 +113,21 @@ module raypath_unit_rays #(
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (34)) u_limits (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
-    .write_data_i ({entry_t_min_i, limits_write_limits_culls_clockwise,
+    .write_data_i ({entry_i.t_min, limits_write_limits_culls_clockwise,
         limits_write_limits_culls_counter_clockwise}),
-    .read_enable_i (limits_read_i), .read_address_i (limits_context_i),
-    .read_data_o ({limits_limits_t_min, limits_limits_culls_clockwise,
-        limits_limits_culls_counter_clockwise})
+    .read_enable_i (limits_read_i), .read_address_i (limits_context_i), .read_data_o (limits_o)
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (65)) u_begins (
     .clk_i, .write_enable_i (enters), .write_address_i (contexts_context),
-    .write_data_i ({root_i, entry_t_max_i, flags_i[raypath_unit_pkg::RayFlagTerminateOnFirstHit]}),
-    .read_enable_i (step_read_i), .read_address_i (step_context_i),
-    .read_data_o ({begins_root, begins_t_max, begins_any_hit})
+    .write_data_i ({root_i, entry_i.t_max, flags_i[raypath_unit_pkg::RayFlagTerminateOnFirstHit]}),
+    .read_enable_i (step_read_i), .read_address_i (step_context_i), .read_data_o (begin_o)
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (198)) u_constants (
     .clk_i, .write_enable_i (set_up_valid), .write_address_i (set_up_context),
-    .write_data_i ({set_up_inv_x, set_up_inv_y, set_up_inv_z, set_up_shear_x, set_up_shear_y,
-        set_up_shear_z, set_up_kx, set_up_ky, set_up_kz}),
-    .read_enable_i (job_read_i), .read_address_i (job_context_i),
-    .read_data_o ({constants_inv_x, constants_inv_y, constants_inv_z, constants_shear_x,
-        constants_shear_y, constants_shear_z, constants_kx, constants_ky, constants_kz})
+    .write_data_i (set_up), .read_enable_i (job_read_i), .read_address_i (job_context_i),
+    .read_data_o (job_o)
   );
 
   // ---- Rays that begin ------------------------------------------------------
@@ -194,27 +136,5 @@ module raypath_unit_rays #(
     .data_i ({set_up_context, set_up_is_refused}), .valid_o (start_valid_o),
     .data_o ({start_context_o, start_is_refused_o})
   );
-
-  // ---- Outputs --------------------------------------------------------------
-  assign ready_o                          = ready;
-  assign id_o                             = ids_id;
-  assign limits_t_min_o                   = limits_limits_t_min;
-  assign limits_culls_clockwise_o         = limits_limits_culls_clockwise;
-  assign limits_culls_counter_clockwise_o = limits_limits_culls_counter_clockwise;
-  assign job_origin_x_o                   = origins_origin_x;
-  assign job_origin_y_o                   = origins_origin_y;
-  assign job_origin_z_o                   = origins_origin_z;
-  assign job_inv_x_o                      = constants_inv_x;
-  assign job_inv_y_o                      = constants_inv_y;
-  assign job_inv_z_o                      = constants_inv_z;
-  assign job_shear_x_o                    = constants_shear_x;
-  assign job_shear_y_o                    = constants_shear_y;
-  assign job_shear_z_o                    = constants_shear_z;
-  assign job_kx_o                         = constants_kx;
-  assign job_ky_o                         = constants_ky;
-  assign job_kz_o                         = constants_kz;
-  assign begin_root_o                     = begins_root;
-  assign begin_t_max_o                    = begins_t_max;
-  assign begin_any_hit_o                  = begins_any_hit;
 
 endmodule : raypath_unit_rays

@@ -16,19 +16,14 @@ module raypath_unit_scheduler (
 
   logic [3:0] after_q;
   logic [3:0] later;
-  logic [4:0] grant;    // x & (~x + 1): the lowest bit
 
-  assign later = request_i[4:1] & after_q;
-  assign grant = (|later) ? {later & (~later + 4'd1), 1'b0} : request_i & (~request_i + 5'd1);
+  assign later   = request_i[4:1] & after_q;
+  assign grant_o = (|later) ? {later & (~later + 4'd1), 1'b0} : request_i & (~request_i + 5'd1);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      after_q <= '0;
-    end else if (|request_i) begin
-      after_q <= {|grant[3:0], |grant[2:0], |grant[1:0], grant[0]};
-    end
+    if (!rst_ni) after_q <= '0;
+    else if (|request_i) after_q <= {|grant_o[3:0], |grant_o[2:0], |grant_o[1:0], grant_o[0]};
   end
 
-  assign grant_o = grant;
 
 endmodule : raypath_unit_scheduler

@@ -10,88 +10,66 @@ module raypath_unit_set_up #(
   parameter  logic [31:0] Contexts     = 64,
   localparam logic [31:0] ContextWidth = $clog2(Contexts)
 ) (
-  input  logic                    clk_i,
-  input  logic                    rst_ni,
-  input  logic                    valid_i,
-  input  logic [31:0]             entry_origin_x_i,
-  input  logic [31:0]             entry_origin_y_i,
-  input  logic [31:0]             entry_origin_z_i,
-  input  logic [31:0]             entry_dir_x_i,
-  input  logic [31:0]             entry_dir_y_i,
-  input  logic [31:0]             entry_dir_z_i,
-  input  logic [31:0]             entry_t_min_i,
-  input  logic [31:0]             entry_t_max_i,
-  input  logic                    is_meaningless_i,
-  input  logic [ContextWidth-1:0] context_i,
-  output logic                    ready_o,
-  output logic                    valid_o,
-  output logic [ContextWidth-1:0] context_o,
-  output logic                    is_refused_o,
-  output logic [31:0]             inv_x_o,
-  output logic [31:0]             inv_y_o,
-  output logic [31:0]             inv_z_o,
-  output logic [31:0]             shear_x_o,
-  output logic [31:0]             shear_y_o,
-  output logic [31:0]             shear_z_o,
-  output logic [1:0]              kx_o,
-  output logic [1:0]              ky_o,
-  output logic [1:0]              kz_o
+  input  logic                      clk_i,
+  input  logic                      rst_ni,
+  input  logic                      valid_i,
+  input  raypath_unit_pkg::entry_t  entry_i,
+  input  logic                      is_meaningless_i,
+  input  logic [ContextWidth-1:0]   context_i,
+  output logic                      ready_o,
+  output logic                      valid_o,
+  output logic [ContextWidth-1:0]   context_o,
+  output logic                      is_refused_o,
+  output raypath_unit_pkg::vector_t inv_o,
+  output raypath_unit_pkg::vector_t shear_o,
+  output logic [1:0]                kx_o,
+  output logic [1:0]                ky_o,
+  output logic [1:0]                kz_o
 );
 
   logic unused_origin;
 
-  assign unused_origin = ^{entry_origin_x_i[31], entry_origin_x_i[22:0], entry_origin_y_i[31],
-      entry_origin_y_i[22:0], entry_origin_z_i[31], entry_origin_z_i[22:0]};
+  assign unused_origin = ^{entry_i.origin.x[31], entry_i.origin.x[22:0], entry_i.origin.y[31],
+      entry_i.origin.y[22:0], entry_i.origin.z[31], entry_i.origin.z[22:0]};
 
   // ---- The ray whose operands enter the divider, and the number of the next quotient
-  logic                    busy_q;
-  logic [2:0]              number_q;
-  logic                    is_last;
-  logic                    ready;             // with the last operands of the ray before it
-  logic                    enters;
-  logic [31:0]             dir_x_q;
-  logic [31:0]             dir_y_q;
-  logic [31:0]             dir_z_q;
-  logic                    finite;
-  logic                    has_range;
-  logic                    entry_is_refused;
-  logic                    is_refused_q;
-  logic [ContextWidth-1:0] context_q;
+  logic                      busy_q;
+  logic [2:0]                number_q;
+  logic                      is_last;
+  logic                      enters;
+  raypath_unit_pkg::vector_t dir_q;
+  logic                      finite;
+  logic                      has_range;
+  logic                      entry_is_refused;
+  logic                      is_refused_q;
+  logic [ContextWidth-1:0]   context_q;
 
   assign is_last = number_q == 3'd4;
-  assign ready   = ~busy_q | is_last;
-  assign enters  = valid_i & ready;
+  assign ready_o = ~busy_q | is_last;
+  assign enters  = valid_i & ready_o;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      busy_q <= 1'b0;
-    end else begin
-      busy_q <= enters | (busy_q & ~is_last);
-    end
+    if (!rst_ni) busy_q <= 1'b0;
+    else busy_q <= enters | (busy_q & ~is_last);
   end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      number_q <= '0;
-    end else if (busy_q) begin
-      number_q <= is_last ? 3'd0 : number_q + 3'd1;
-    end
+    if (!rst_ni) number_q <= '0;
+    else if (busy_q) number_q <= is_last ? 3'd0 : number_q + 3'd1;
   end
 
-  assign finite           = ~(&entry_origin_x_i[30:23]) & ~(&entry_origin_y_i[30:23]) &
-      ~(&entry_origin_z_i[30:23]) & ~(&entry_dir_x_i[30:23]) & ~(&entry_dir_y_i[30:23]) &
-      ~(&entry_dir_z_i[30:23]);
-  assign has_range        = ~(31'h7f80_0000 < entry_t_min_i[30:0]) & ((entry_t_min_i[30:0] == 31'd0)
-      | ~entry_t_min_i[31]) & ~(31'h7f80_0000 < entry_t_max_i[30:0]) & ((entry_t_max_i[30:0] ==
-      31'd0) | ~entry_t_max_i[31]);
-  assign entry_is_refused = ~(finite & ~((entry_dir_x_i[30:0] == 31'd0) & (entry_dir_y_i[30:0] ==
-      31'd0) & (entry_dir_z_i[30:0] == 31'd0)) & has_range);
+  assign finite           = ~(&entry_i.origin.x[30:23]) & ~(&entry_i.origin.y[30:23]) &
+      ~(&entry_i.origin.z[30:23]) & ~(&entry_i.dir.x[30:23]) & ~(&entry_i.dir.y[30:23]) &
+      ~(&entry_i.dir.z[30:23]);
+  assign has_range        = ~(31'h7f80_0000 < entry_i.t_min[30:0]) & ((entry_i.t_min[30:0] == 31'd0)
+      | ~entry_i.t_min[31]) & ~(31'h7f80_0000 < entry_i.t_max[30:0]) & ((entry_i.t_max[30:0] ==
+      31'd0) | ~entry_i.t_max[31]);
+  assign entry_is_refused = ~(finite & ~((entry_i.dir.x[30:0] == 31'd0) & (entry_i.dir.y[30:0] ==
+      31'd0) & (entry_i.dir.z[30:0] == 31'd0)) & has_range);
 
   always_ff @(posedge clk_i) begin
     if (enters) begin
-      dir_x_q      <= entry_dir_x_i;
-      dir_y_q      <= entry_dir_y_i;
-      dir_z_q      <= entry_dir_z_i;
+      dir_q        <= entry_i.dir;
       is_refused_q <= is_meaningless_i | entry_is_refused;
       context_q    <= context_i;
     end
@@ -116,9 +94,9 @@ module raypath_unit_set_up #(
   logic [1:0]  axis_ky_q;
   logic [1:0]  axis_kz_q;
 
-  assign magnitude    = dir_x_q[31] ? {~dir_x_q[31], dir_x_q[30:0]} : dir_x_q;
-  assign magnitude_2  = dir_y_q[31] ? {~dir_y_q[31], dir_y_q[30:0]} : dir_y_q;
-  assign magnitude_3  = dir_z_q[31] ? {~dir_z_q[31], dir_z_q[30:0]} : dir_z_q;
+  assign magnitude    = dir_q.x[31] ? {~dir_q.x[31], dir_q.x[30:0]} : dir_q.x;
+  assign magnitude_2  = dir_q.y[31] ? {~dir_q.y[31], dir_q.y[30:0]} : dir_q.y;
+  assign magnitude_3  = dir_q.z[31] ? {~dir_q.z[31], dir_q.z[30:0]} : dir_q.z;
   assign equal        = (magnitude_2 == magnitude) | ((magnitude_2[30:0] == 31'd0) &
       (magnitude[30:0] == 31'd0));
   assign below        = (magnitude_2[31] ^ magnitude[31]) ? magnitude_2[31] : (magnitude_2[31] ?
@@ -134,7 +112,7 @@ module raypath_unit_set_up #(
       ~equal_2 & ~(below_2 & ~equal_2)) ? 2'd2 : (y_is_greater ? 2'd1 : 2'd0);
   assign first        = (kz == 2'd2) ? 2'd0 : kz + 2'd1;
   assign second       = (first == 2'd2) ? 2'd0 : first + 2'd1;
-  assign along_z      = (kz == 2'd0) ? dir_x_q : ((kz == 2'd1) ? dir_y_q : dir_z_q);
+  assign along_z      = (kz == 2'd0) ? dir_q.x : ((kz == 2'd1) ? dir_q.y : dir_q.z);
   assign is_reversed  = ~(31'h7f80_0000 < along_z[30:0]) & (along_z[30:0] != 31'd0) & along_z[31];
 
   always_ff @(posedge clk_i) begin
@@ -161,18 +139,18 @@ module raypath_unit_set_up #(
   logic [31:0]             decode_ieee;
   logic                    unused_ready;
 
-  assign encode_dividend_ieee = (number_q == 3'd4) ? ((axis_ky_q == 2'd0) ? dir_x_q : ((axis_ky_q ==
-      2'd1) ? dir_y_q : dir_z_q)) : ((number_q == 3'd3) ? ((axis_kx_q == 2'd0) ? dir_x_q :
-      ((axis_kx_q == 2'd1) ? dir_y_q : dir_z_q)) : 32'h3f80_0000);
+  assign encode_dividend_ieee = (number_q == 3'd4) ? ((axis_ky_q == 2'd0) ? dir_q.x : ((axis_ky_q ==
+      2'd1) ? dir_q.y : dir_q.z)) : ((number_q == 3'd3) ? ((axis_kx_q == 2'd0) ? dir_q.x :
+      ((axis_kx_q == 2'd1) ? dir_q.y : dir_q.z)) : 32'h3f80_0000);
 
   raypath_fp_encode_e8s24 u_encode_dividend (
     .ieee_i (encode_dividend_ieee), .recoded_o (encode_dividend_recoded)
   );
 
-  assign along_z_2           = (axis_kz_q == 2'd0) ? dir_x_q : ((axis_kz_q == 2'd1) ? dir_y_q :
-      dir_z_q);
+  assign along_z_2           = (axis_kz_q == 2'd0) ? dir_q.x : ((axis_kz_q == 2'd1) ? dir_q.y :
+      dir_q.z);
   assign encode_divisor_ieee = (number_q == 3'd4) ? along_z_2 : ((number_q == 3'd3) ? along_z_2 :
-      ((number_q == 3'd2) ? dir_z_q : ((number_q == 3'd1) ? dir_y_q : dir_x_q)));
+      ((number_q == 3'd2) ? dir_q.z : ((number_q == 3'd1) ? dir_q.y : dir_q.x)));
 
   raypath_fp_encode_e8s24 u_encode_divisor (
     .ieee_i (encode_divisor_ieee), .recoded_o (encode_divisor_recoded)
@@ -189,11 +167,8 @@ module raypath_unit_set_up #(
   raypath_fp_decode_e8s24 u_decode (.recoded_i (divider_result), .ieee_o (decode_ieee));
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      has_operands_q <= 1'b0;
-    end else begin
-      has_operands_q <= busy_q;
-    end
+    if (!rst_ni) has_operands_q <= 1'b0;
+    else has_operands_q <= busy_q;
   end
 
   always_ff @(posedge clk_i) begin
@@ -203,33 +178,26 @@ module raypath_unit_set_up #(
   end
 
   // ---- The constants of a ray, with its last quotient: its quotients come in consecutive cycles
-  logic [31:0] quotient_3_q;
-  logic [31:0] quotient_2_q;
-  logic [31:0] quotient_1_q;
-  logic [31:0] quotient_0_q;
+  logic [127:0] quotient_q;
 
   always_ff @(posedge clk_i) begin
-    quotient_3_q <= decode_ieee;
-    quotient_2_q <= quotient_3_q;
-    quotient_1_q <= quotient_2_q;
-    quotient_0_q <= quotient_1_q;
+    quotient_q <= {decode_ieee, quotient_q[127:32]};
   end
 
   // ---- Outputs --------------------------------------------------------------
   logic [31:0] shear_z;
 
-  assign ready_o      = ready;
   assign valid_o      = divider_valid & divider_tag[0];
   assign context_o    = divider_tag[ContextWidth+7:8];
-  assign shear_z      = (divider_tag[2:1] == 2'd0) ? quotient_0_q : ((divider_tag[2:1] == 2'd1) ?
-      quotient_1_q : quotient_2_q);
+  assign shear_z      = (divider_tag[2:1] == 2'd0) ? quotient_q[31:0] : ((divider_tag[2:1] == 2'd1)
+      ? quotient_q[63:32] : quotient_q[95:64]);
   assign is_refused_o = divider_tag[7] | (&shear_z[30:23]);
-  assign inv_x_o      = quotient_0_q;
-  assign inv_y_o      = quotient_1_q;
-  assign inv_z_o      = quotient_2_q;
-  assign shear_x_o    = quotient_3_q;
-  assign shear_y_o    = decode_ieee;
-  assign shear_z_o    = shear_z;
+  assign inv_o.x      = quotient_q[31:0];
+  assign inv_o.y      = quotient_q[63:32];
+  assign inv_o.z      = quotient_q[95:64];
+  assign shear_o.x    = quotient_q[127:96];
+  assign shear_o.y    = decode_ieee;
+  assign shear_o.z    = shear_z;
   assign kx_o         = divider_tag[6:5];
   assign ky_o         = divider_tag[4:3];
   assign kz_o         = divider_tag[2:1];

@@ -6,105 +6,67 @@
 //
 // The steps of rays: one in each cycle, in three stages.
 // A ray has one answer at a time, so that no stage needs what a later one has not written yet:
-// there is no
-// bypass. The stages never wait: the queues behind them have a word for each context.
+// there is no bypass. The stages never wait: the queues behind them have a word for each context.
 
 module raypath_unit_walk #(
   parameter  logic [31:0] Contexts     = 64,
   localparam logic [31:0] ContextWidth = $clog2(Contexts)
 ) (
-  input  logic                    clk_i,
-  input  logic                    rst_ni,
-  input  logic                    flush_i,
-  input  logic [31:0]             node_limit_i,
-  input  logic                    boxes_valid_i,
-  input  logic [ContextWidth-1:0] boxes_context_i,
-  input  logic                    block_valid_i,
-  input  logic [ContextWidth-1:0] block_context_i,
-  input  logic                    fault_valid_i,
-  input  logic [ContextWidth-1:0] fault_context_i,
-  input  logic                    start_valid_i,
-  input  logic [ContextWidth-1:0] start_context_i,
-  input  logic                    start_is_refused_i,
-  input  logic [3:0]              boxes_hit_i,
-  input  logic [31:0]             boxes_tmin_0_i,
-  input  logic [31:0]             boxes_tmin_1_i,
-  input  logic [31:0]             boxes_tmin_2_i,
-  input  logic [1:0]              boxes_box_index_0_i,
-  input  logic [1:0]              boxes_box_index_1_i,
-  input  logic [1:0]              boxes_box_index_2_i,
-  input  logic [1:0]              boxes_box_index_3_i,
-  input  logic                    closest_is_hit_i,
-  input  logic [31:0]             closest_t_i,
-  input  logic [31:0]             closest_t_num_i,
-  input  logic [31:0]             closest_t_denom_i,
-  input  logic                    closest_is_clockwise_i,
-  input  logic [31:0]             closest_primitive_i,
-  input  logic [31:0]             child_0_i,
-  input  logic [31:0]             child_1_i,
-  input  logic [31:0]             child_2_i,
-  input  logic [31:0]             child_3_i,
-  input  logic [31:0]             begin_root_i,
-  input  logic [31:0]             begin_t_max_i,
-  input  logic                    begin_any_hit_i,
-  output logic                    block_taken_o,
-  output logic                    fault_taken_o,
-  output logic                    start_taken_o,
-  output logic                    read_o,
-  output logic [ContextWidth-1:0] read_context_o,
-  output logic                    fetches_o,
-  output logic                    ends_o,
-  output logic [ContextWidth-1:0] context_o,
-  output logic                    steps_o,
-  output logic                    restarts_o,
-  output logic [24:0]             block_o,
-  output logic [1:0]              count_o,
-  output logic [2:0]              status_o,
-  output logic [31:0]             next_extent_o,
-  output logic [31:0]             next_t_num_o,
-  output logic [31:0]             next_t_denom_o,
-  output logic                    next_back_face_o,
-  output logic [31:0]             next_primitive_o,
-  output logic [31:0]             next_nodes_o,
-  output logic [31:0]             next_triangles_o
+  input  logic                       clk_i,
+  input  logic                       rst_ni,
+  input  logic                       flush_i,
+  input  logic [31:0]                node_limit_i,
+  input  logic                       boxes_valid_i,
+  input  logic [ContextWidth-1:0]    boxes_context_i,
+  input  logic                       block_valid_i,
+  input  logic [ContextWidth-1:0]    block_context_i,
+  input  logic                       fault_valid_i,
+  input  logic [ContextWidth-1:0]    fault_context_i,
+  input  logic                       start_valid_i,
+  input  logic [ContextWidth-1:0]    start_context_i,
+  input  logic                       start_is_refused_i,
+  input  raypath_unit_pkg::boxes_t   boxes_i,
+  input  raypath_unit_pkg::closest_t closest_i,
+  input  logic [127:0]               child_i,
+  input  raypath_unit_pkg::begin_t   begin_i,
+  output logic                       block_taken_o,
+  output logic                       fault_taken_o,
+  output logic                       start_taken_o,
+  output logic                       read_o,
+  output logic [ContextWidth-1:0]    read_context_o,
+  output logic                       fetches_o,
+  output logic                       ends_o,
+  output logic [ContextWidth-1:0]    context_o,
+  output logic                       steps_o,
+  output logic                       restarts_o,
+  output logic [24:0]                block_o,
+  output logic [1:0]                 count_o,
+  output logic [2:0]                 status_o,
+  output raypath_unit_pkg::ended_t   next_o
 );
 
   // ---- The answer that is taken, and the state of its ray -------------------
-  logic                    again_taken;
-  logic                    again_asked;
-  logic [ContextWidth-1:0] asked_context;
-  logic                    continues_valid;
-  logic [ContextWidth-1:0] continues_context;
-  logic                    boxes_taken;
-  logic                    tested_valid;
-  logic [ContextWidth-1:0] tested_context;
-  logic [4:0]              scheduler_request;
-  logic [4:0]              scheduler_grant;
-  logic                    read;
-  logic [ContextWidth-1:0] granted_context;
-  logic [ContextWidth-1:0] read_context;
-  logic [3:0]              granted_kind;
-  logic [3:0]              granted_kind_2;
-  logic                    prepares_q;
-  logic [ContextWidth-1:0] prepared_context_q;
-  logic [3:0]              kind_q;
-  logic [3:0]              outcomes_boxes_hit;
-  logic [31:0]             outcomes_boxes_tmin_0;
-  logic [31:0]             outcomes_boxes_tmin_1;
-  logic [31:0]             outcomes_boxes_tmin_2;
-  logic [1:0]              outcomes_boxes_box_index_0;
-  logic [1:0]              outcomes_boxes_box_index_1;
-  logic [1:0]              outcomes_boxes_box_index_2;
-  logic [1:0]              outcomes_boxes_box_index_3;
-  logic                    closest_is_hit_q;
-  logic [31:0]             closest_t_q;
-  logic [31:0]             closest_t_num_q;
-  logic [31:0]             closest_t_denom_q;
-  logic                    closest_is_clockwise_q;
-  logic [31:0]             closest_primitive_q;
-  logic [ContextWidth-1:0] finished_context_q;
-  logic [1:0]              finish_request_kind;
-  logic                    goes_on;
+  logic                       again_taken;
+  logic                       again_asked;
+  logic [ContextWidth-1:0]    asked_context;
+  logic                       continues_valid;
+  logic [ContextWidth-1:0]    continues_context;
+  logic                       boxes_taken;
+  logic                       tested_valid;
+  logic [ContextWidth-1:0]    tested_context;
+  logic [4:0]                 scheduler_request;
+  logic [4:0]                 scheduler_grant;
+  logic [ContextWidth-1:0]    granted_context;
+  logic [3:0]                 granted_kind;
+  logic [3:0]                 granted_kind_2;
+  logic                       prepares_q;
+  logic [ContextWidth-1:0]    prepared_context_q;
+  logic [3:0]                 kind_q;
+  raypath_unit_pkg::boxes_t   outcomes_boxes;
+  raypath_unit_pkg::closest_t closest_q;
+  logic [ContextWidth-1:0]    finished_context_q;
+  logic [1:0]                 finish_request_kind;
+  logic                       goes_on;
 
   assign again_taken   = scheduler_grant[4];
   assign again_asked   = goes_on & (finish_request_kind == raypath_unit_pkg::RequestContinue);
@@ -129,30 +91,22 @@ module raypath_unit_walk #(
     .clk_i, .rst_ni, .request_i (scheduler_request), .grant_o (scheduler_grant)
   );
 
-  assign read            = |scheduler_grant;
+  assign read_o          = |scheduler_grant;
   assign granted_context = (tested_context & {ContextWidth{scheduler_grant[0]}}) | (block_context_i
-      &
-      {ContextWidth{scheduler_grant[1]}}) | (fault_context_i & {ContextWidth{scheduler_grant[2]}});
-  assign read_context    = granted_context | (start_context_i & {ContextWidth{scheduler_grant[3]}})
-      |
-      (continues_context & {ContextWidth{scheduler_grant[4]}});
+      & {ContextWidth{scheduler_grant[1]}}) | (fault_context_i &
+      {ContextWidth{scheduler_grant[2]}});
+  assign read_context_o  = granted_context | (start_context_i & {ContextWidth{scheduler_grant[3]}})
+      | (continues_context & {ContextWidth{scheduler_grant[4]}});
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (108)) u_outcomes (
     .clk_i, .write_enable_i (boxes_valid_i), .write_address_i (boxes_context_i),
-    .write_data_i ({boxes_hit_i, boxes_tmin_0_i, boxes_tmin_1_i, boxes_tmin_2_i,
-        boxes_box_index_0_i, boxes_box_index_1_i, boxes_box_index_2_i, boxes_box_index_3_i}),
-    .read_enable_i (read), .read_address_i (read_context),
-    .read_data_o ({outcomes_boxes_hit, outcomes_boxes_tmin_0, outcomes_boxes_tmin_1,
-        outcomes_boxes_tmin_2, outcomes_boxes_box_index_0, outcomes_boxes_box_index_1,
-        outcomes_boxes_box_index_2, outcomes_boxes_box_index_3})
+    .write_data_i (boxes_i), .read_enable_i (read_o), .read_address_i (read_context_o),
+    .read_data_o (outcomes_boxes)
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      prepares_q <= 1'b0;
-    end else begin
-      prepares_q <= read;
-    end
+    if (!rst_ni) prepares_q <= 1'b0;
+    else prepares_q <= read_o;
   end
 
   assign granted_kind   = (scheduler_grant[0] ? raypath_unit_pkg::AnswerBoxes : 4'd0) |
@@ -162,375 +116,76 @@ module raypath_unit_walk #(
       raypath_unit_pkg::AnswerStart) : 4'd0);
 
   always_ff @(posedge clk_i) begin
-    prepared_context_q     <= read_context;
-    kind_q                 <= granted_kind_2 | (scheduler_grant[4] ?
-        raypath_unit_pkg::AnswerContinue : 4'd0);
-    closest_is_hit_q       <= closest_is_hit_i;
-    closest_t_q            <= closest_t_i;
-    closest_t_num_q        <= closest_t_num_i;
-    closest_t_denom_q      <= closest_t_denom_i;
-    closest_is_clockwise_q <= closest_is_clockwise_i;
-    closest_primitive_q    <= closest_primitive_i;
+    prepared_context_q <= read_context_o;
+    kind_q             <= granted_kind_2 | (scheduler_grant[4] ? raypath_unit_pkg::AnswerContinue :
+        4'd0);
+    closest_q          <= closest_i;
   end
 
   // ---- The step is prepared, and the stack is read --------------------------
-  logic        finishes_q;
-  logic [31:0] states_extent;
-  logic        states_has_hit;
-  logic [31:0] states_t_num;
-  logic [31:0] states_t_denom;
-  logic        states_back_face;
-  logic [31:0] states_primitive;
-  logic [31:0] states_nodes;
-  logic [31:0] states_triangles;
-  logic [6:0]  states_level;
-  logic [31:0] states_pending_low;
-  logic [31:0] states_pending_high;
-  logic [31:0] states_place_low_low;
-  logic [31:0] states_place_low_high;
-  logic [31:0] states_place_high_low;
-  logic [31:0] states_place_high_high;
-  logic [6:0]  states_base;
-  logic        states_restarting;
-  logic [6:0]  states_target;
-  logic [31:0] states_leaf_address;
-  logic [3:0]  states_leaf_left;
+  logic                     finishes_q;
+  raypath_unit_pkg::state_t states;
   // the memory has the state of an earlier ray, or was never written
-  logic        begins;
-  logic        prepare_half_state_any_hit;
-  logic [31:0] prepare_half_state_root;
-  logic [31:0] prepare_half_state_extent;
-  logic        prepare_half_state_has_hit;
-  logic [31:0] prepare_half_state_t_num;
-  logic [31:0] prepare_half_state_t_denom;
-  logic        prepare_half_state_back_face;
-  logic [31:0] prepare_half_state_primitive;
-  logic [31:0] prepare_half_state_nodes;
-  logic [31:0] prepare_half_state_triangles;
-  logic [6:0]  prepare_half_state_level;
-  logic [31:0] prepare_half_state_pending_low;
-  logic [31:0] prepare_half_state_pending_high;
-  logic [31:0] prepare_half_state_place_low_low;
-  logic [31:0] prepare_half_state_place_low_high;
-  logic [31:0] prepare_half_state_place_high_low;
-  logic [31:0] prepare_half_state_place_high_high;
-  logic [6:0]  prepare_half_state_base;
-  logic        prepare_half_state_restarting;
-  logic [6:0]  prepare_half_state_target;
-  logic [31:0] prepare_half_state_leaf_address;
-  logic [3:0]  prepare_half_state_leaf_left;
-  logic        prepare_half_starts;
-  logic        prepare_half_failed;
-  logic        prepare_half_is_refused;
-  logic        prepare_half_cannot_enter;
-  logic        prepare_half_descends;
-  logic        prepare_half_is_lost;
-  logic        prepare_half_leaf_continues;
-  logic        prepare_half_ends;
-  logic        prepare_half_pops;
-  logic        prepare_half_is_empty;
-  logic        prepare_half_is_at_limit;
-  logic        prepare_half_is_on_stack;
-  logic [6:0]  prepare_half_deepest;
-  logic [6:0]  prepare_half_parent;
-  logic [1:0]  prepare_half_place;
-  logic [31:0] prepare_half_child;
-  logic [2:0]  prepare_half_rest_present;
-  logic [31:0] prepare_half_rest_child_0;
-  logic [31:0] prepare_half_rest_child_1;
-  logic [31:0] prepare_half_rest_child_2;
-  logic [31:0] prepare_half_rest_tmin_0;
-  logic [31:0] prepare_half_rest_tmin_1;
-  logic [31:0] prepare_half_rest_tmin_2;
-  logic        half_state_any_hit_q;
-  logic [31:0] half_state_root_q;
-  logic [31:0] half_state_extent_q;
-  logic        half_state_has_hit_q;
-  logic [31:0] half_state_t_num_q;
-  logic [31:0] half_state_t_denom_q;
-  logic        half_state_back_face_q;
-  logic [31:0] half_state_primitive_q;
-  logic [31:0] half_state_nodes_q;
-  logic [31:0] half_state_triangles_q;
-  logic [6:0]  half_state_level_q;
-  logic [31:0] half_state_pending_low_q;
-  logic [31:0] half_state_pending_high_q;
-  logic [31:0] half_state_place_low_low_q;
-  logic [31:0] half_state_place_low_high_q;
-  logic [31:0] half_state_place_high_low_q;
-  logic [31:0] half_state_place_high_high_q;
-  logic [6:0]  half_state_base_q;
-  logic        half_state_restarting_q;
-  logic [6:0]  half_state_target_q;
-  logic [31:0] half_state_leaf_address_q;
-  logic [3:0]  half_state_leaf_left_q;
-  logic        half_starts_q;
-  logic        half_failed_q;
-  logic        half_is_refused_q;
-  logic        half_cannot_enter_q;
-  logic        half_descends_q;
-  logic        half_is_lost_q;
-  logic        half_leaf_continues_q;
-  logic        half_ends_q;
-  logic        half_pops_q;
-  logic        half_is_empty_q;
-  logic        half_is_at_limit_q;
-  logic        half_is_on_stack_q;
-  logic [6:0]  half_deepest_q;
-  logic [6:0]  half_parent_q;
-  logic [1:0]  half_place_q;
-  logic [31:0] half_child_q;
-  logic [2:0]  half_rest_present_q;
-  logic [31:0] half_rest_child_0_q;
-  logic [31:0] half_rest_child_1_q;
-  logic [31:0] half_rest_child_2_q;
-  logic [31:0] half_rest_tmin_0_q;
-  logic [31:0] half_rest_tmin_1_q;
-  logic [31:0] half_rest_tmin_2_q;
+  logic                     begins;
+  raypath_unit_pkg::half_t  prepare_half;
+  raypath_unit_pkg::half_t  half_q;
 
   assign begins = (kind_q == raypath_unit_pkg::AnswerStart) | (kind_q ==
       raypath_unit_pkg::AnswerRefused);
 
   raypath_unit_prepare u_prepare (
-    .state_any_hit_i (begin_any_hit_i), .state_root_i (begin_root_i),
-    .state_extent_i (begins ? begin_t_max_i : states_extent),
-    .state_has_hit_i (~begins & states_has_hit), .state_t_num_i (states_t_num),
-    .state_t_denom_i (states_t_denom), .state_back_face_i (states_back_face),
-    .state_primitive_i (states_primitive), .state_nodes_i (begins ? 32'd0 : states_nodes),
-    .state_triangles_i (begins ? 32'd0 : states_triangles), .state_level_i (states_level),
-    .state_pending_low_i (begins ? 32'd0 : states_pending_low),
-    .state_pending_high_i (begins ? 32'd0 : states_pending_high),
-    .state_place_low_low_i (states_place_low_low), .state_place_low_high_i (states_place_low_high),
-    .state_place_high_low_i (states_place_high_low),
-    .state_place_high_high_i (states_place_high_high), .state_base_i (begins ? 7'd0 : states_base),
-    .state_restarting_i (~begins & states_restarting), .state_target_i (states_target),
-    .state_leaf_address_i (states_leaf_address), .state_leaf_left_i (states_leaf_left),
-    .answer_kind_i (kind_q), .answer_hit_i (outcomes_boxes_hit),
-    .answer_tmin_0_i (outcomes_boxes_tmin_0), .answer_tmin_1_i (outcomes_boxes_tmin_1),
-    .answer_tmin_2_i (outcomes_boxes_tmin_2), .answer_box_index_0_i (outcomes_boxes_box_index_0),
-    .answer_box_index_1_i (outcomes_boxes_box_index_1),
-    .answer_box_index_2_i (outcomes_boxes_box_index_2),
-    .answer_box_index_3_i (outcomes_boxes_box_index_3), .answer_child_0_i (child_0_i),
-    .answer_child_1_i (child_1_i), .answer_child_2_i (child_2_i), .answer_child_3_i (child_3_i),
-    .answer_closest_is_hit_i (closest_is_hit_q), .answer_closest_t_i (closest_t_q),
-    .answer_closest_t_num_i (closest_t_num_q), .answer_closest_t_denom_i (closest_t_denom_q),
-    .answer_closest_is_clockwise_i (closest_is_clockwise_q),
-    .answer_closest_primitive_i (closest_primitive_q), .node_limit_i,
-    .half_state_any_hit_o (prepare_half_state_any_hit),
-    .half_state_root_o (prepare_half_state_root), .half_state_extent_o (prepare_half_state_extent),
-    .half_state_has_hit_o (prepare_half_state_has_hit),
-    .half_state_t_num_o (prepare_half_state_t_num),
-    .half_state_t_denom_o (prepare_half_state_t_denom),
-    .half_state_back_face_o (prepare_half_state_back_face),
-    .half_state_primitive_o (prepare_half_state_primitive),
-    .half_state_nodes_o (prepare_half_state_nodes),
-    .half_state_triangles_o (prepare_half_state_triangles),
-    .half_state_level_o (prepare_half_state_level),
-    .half_state_pending_low_o (prepare_half_state_pending_low),
-    .half_state_pending_high_o (prepare_half_state_pending_high),
-    .half_state_place_low_low_o (prepare_half_state_place_low_low),
-    .half_state_place_low_high_o (prepare_half_state_place_low_high),
-    .half_state_place_high_low_o (prepare_half_state_place_high_low),
-    .half_state_place_high_high_o (prepare_half_state_place_high_high),
-    .half_state_base_o (prepare_half_state_base),
-    .half_state_restarting_o (prepare_half_state_restarting),
-    .half_state_target_o (prepare_half_state_target),
-    .half_state_leaf_address_o (prepare_half_state_leaf_address),
-    .half_state_leaf_left_o (prepare_half_state_leaf_left), .half_starts_o (prepare_half_starts),
-    .half_failed_o (prepare_half_failed), .half_is_refused_o (prepare_half_is_refused),
-    .half_cannot_enter_o (prepare_half_cannot_enter), .half_descends_o (prepare_half_descends),
-    .half_is_lost_o (prepare_half_is_lost), .half_leaf_continues_o (prepare_half_leaf_continues),
-    .half_ends_o (prepare_half_ends), .half_pops_o (prepare_half_pops),
-    .half_is_empty_o (prepare_half_is_empty), .half_is_at_limit_o (prepare_half_is_at_limit),
-    .half_is_on_stack_o (prepare_half_is_on_stack), .half_deepest_o (prepare_half_deepest),
-    .half_parent_o (prepare_half_parent), .half_place_o (prepare_half_place),
-    .half_child_o (prepare_half_child), .half_rest_present_o (prepare_half_rest_present),
-    .half_rest_child_0_o (prepare_half_rest_child_0),
-    .half_rest_child_1_o (prepare_half_rest_child_1),
-    .half_rest_child_2_o (prepare_half_rest_child_2),
-    .half_rest_tmin_0_o (prepare_half_rest_tmin_0), .half_rest_tmin_1_o (prepare_half_rest_tmin_1),
-    .half_rest_tmin_2_o (prepare_half_rest_tmin_2)
+    .state_any_hit_i (begin_i.any_hit), .state_root_i (begin_i.root),
+    .state_i ({begins ? begin_i.t_max : states.extent, ~begins & states.has_hit, states.t_num,
+        states.t_denom, states.back_face, states.primitive_index, begins ? 32'd0 : states.nodes,
+        begins ? 32'd0 : states.triangles, states.level, begins ? 32'd0 : states.pending_low, begins
+        ? 32'd0 : states.pending_high, states.place_low_low, states.place_low_high,
+        states.place_high_low, states.place_high_high, begins ? 7'd0 : states.base, ~begins &
+        states.restarting, states.target, states.leaf_address, states.leaf_left}),
+    .answer_i ({kind_q, outcomes_boxes, child_i[31:0], child_i[63:32], child_i[95:64],
+        child_i[127:96], closest_q}),
+    .node_limit_i, .half_o (prepare_half)
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      finishes_q <= 1'b0;
-    end else begin
-      finishes_q <= prepares_q;
-    end
+    if (!rst_ni) finishes_q <= 1'b0;
+    else finishes_q <= prepares_q;
   end
 
   always_ff @(posedge clk_i) begin
-    finished_context_q           <= prepared_context_q;
-    half_state_any_hit_q         <= prepare_half_state_any_hit;
-    half_state_root_q            <= prepare_half_state_root;
-    half_state_extent_q          <= prepare_half_state_extent;
-    half_state_has_hit_q         <= prepare_half_state_has_hit;
-    half_state_t_num_q           <= prepare_half_state_t_num;
-    half_state_t_denom_q         <= prepare_half_state_t_denom;
-    half_state_back_face_q       <= prepare_half_state_back_face;
-    half_state_primitive_q       <= prepare_half_state_primitive;
-    half_state_nodes_q           <= prepare_half_state_nodes;
-    half_state_triangles_q       <= prepare_half_state_triangles;
-    half_state_level_q           <= prepare_half_state_level;
-    half_state_pending_low_q     <= prepare_half_state_pending_low;
-    half_state_pending_high_q    <= prepare_half_state_pending_high;
-    half_state_place_low_low_q   <= prepare_half_state_place_low_low;
-    half_state_place_low_high_q  <= prepare_half_state_place_low_high;
-    half_state_place_high_low_q  <= prepare_half_state_place_high_low;
-    half_state_place_high_high_q <= prepare_half_state_place_high_high;
-    half_state_base_q            <= prepare_half_state_base;
-    half_state_restarting_q      <= prepare_half_state_restarting;
-    half_state_target_q          <= prepare_half_state_target;
-    half_state_leaf_address_q    <= prepare_half_state_leaf_address;
-    half_state_leaf_left_q       <= prepare_half_state_leaf_left;
-    half_starts_q                <= prepare_half_starts;
-    half_failed_q                <= prepare_half_failed;
-    half_is_refused_q            <= prepare_half_is_refused;
-    half_cannot_enter_q          <= prepare_half_cannot_enter;
-    half_descends_q              <= prepare_half_descends;
-    half_is_lost_q               <= prepare_half_is_lost;
-    half_leaf_continues_q        <= prepare_half_leaf_continues;
-    half_ends_q                  <= prepare_half_ends;
-    half_pops_q                  <= prepare_half_pops;
-    half_is_empty_q              <= prepare_half_is_empty;
-    half_is_at_limit_q           <= prepare_half_is_at_limit;
-    half_is_on_stack_q           <= prepare_half_is_on_stack;
-    half_deepest_q               <= prepare_half_deepest;
-    half_parent_q                <= prepare_half_parent;
-    half_place_q                 <= prepare_half_place;
-    half_child_q                 <= prepare_half_child;
-    half_rest_present_q          <= prepare_half_rest_present;
-    half_rest_child_0_q          <= prepare_half_rest_child_0;
-    half_rest_child_1_q          <= prepare_half_rest_child_1;
-    half_rest_child_2_q          <= prepare_half_rest_child_2;
-    half_rest_tmin_0_q           <= prepare_half_rest_tmin_0;
-    half_rest_tmin_1_q           <= prepare_half_rest_tmin_1;
-    half_rest_tmin_2_q           <= prepare_half_rest_tmin_2;
+    finished_context_q <= prepared_context_q;
+    half_q             <= prepare_half;
   end
 
   // ---- The step is finished, and everything is written ----------------------
-  logic [2:0]  stack_present;
-  logic [31:0] stack_child_0;
-  logic [31:0] stack_child_1;
-  logic [31:0] stack_child_2;
-  logic [31:0] stack_tmin_0;
-  logic [31:0] stack_tmin_1;
-  logic [31:0] stack_tmin_2;
-  logic        unused_finish_next_any_hit;
-  logic [31:0] unused_finish_next_root;
-  logic [31:0] finish_next_extent;
-  logic        finish_next_has_hit;
-  logic [31:0] finish_next_t_num;
-  logic [31:0] finish_next_t_denom;
-  logic        finish_next_back_face;
-  logic [31:0] finish_next_primitive;
-  logic [31:0] finish_next_nodes;
-  logic [31:0] finish_next_triangles;
-  logic [6:0]  finish_next_level;
-  logic [31:0] finish_next_pending_low;
-  logic [31:0] finish_next_pending_high;
-  logic [31:0] finish_next_place_low_low;
-  logic [31:0] finish_next_place_low_high;
-  logic [31:0] finish_next_place_high_low;
-  logic [31:0] finish_next_place_high_high;
-  logic [6:0]  finish_next_base;
-  logic        finish_next_restarting;
-  logic [6:0]  finish_next_target;
-  logic [31:0] finish_next_leaf_address;
-  logic [3:0]  finish_next_leaf_left;
-  logic [31:0] finish_request_address;
-  logic        finish_request_writes;
-  logic [6:0]  finish_request_level;
-  logic [2:0]  finish_request_group_present;
-  logic [31:0] finish_request_group_child_0;
-  logic [31:0] finish_request_group_child_1;
-  logic [31:0] finish_request_group_child_2;
-  logic [31:0] finish_request_group_tmin_0;
-  logic [31:0] finish_request_group_tmin_1;
-  logic [31:0] finish_request_group_tmin_2;
-  logic        unused_offset;
-  logic        unused_level;
+  raypath_unit_pkg::group_t stack;
+  logic                     unused_finish_next_any_hit;
+  logic [31:0]              unused_finish_next_root;
+  raypath_unit_pkg::state_t finish_next;
+  logic [31:0]              finish_request_address;
+  logic                     finish_request_writes;
+  logic [6:0]               finish_request_level;
+  raypath_unit_pkg::group_t finish_request_group;
+  logic                     unused_offset;
+  logic                     unused_level;
 
   raypath_unit_finish u_finish (
-    .half_state_any_hit_i (half_state_any_hit_q), .half_state_root_i (half_state_root_q),
-    .half_state_extent_i (half_state_extent_q), .half_state_has_hit_i (half_state_has_hit_q),
-    .half_state_t_num_i (half_state_t_num_q), .half_state_t_denom_i (half_state_t_denom_q),
-    .half_state_back_face_i (half_state_back_face_q),
-    .half_state_primitive_i (half_state_primitive_q), .half_state_nodes_i (half_state_nodes_q),
-    .half_state_triangles_i (half_state_triangles_q), .half_state_level_i (half_state_level_q),
-    .half_state_pending_low_i (half_state_pending_low_q),
-    .half_state_pending_high_i (half_state_pending_high_q),
-    .half_state_place_low_low_i (half_state_place_low_low_q),
-    .half_state_place_low_high_i (half_state_place_low_high_q),
-    .half_state_place_high_low_i (half_state_place_high_low_q),
-    .half_state_place_high_high_i (half_state_place_high_high_q),
-    .half_state_base_i (half_state_base_q), .half_state_restarting_i (half_state_restarting_q),
-    .half_state_target_i (half_state_target_q),
-    .half_state_leaf_address_i (half_state_leaf_address_q),
-    .half_state_leaf_left_i (half_state_leaf_left_q), .half_starts_i (half_starts_q),
-    .half_failed_i (half_failed_q), .half_is_refused_i (half_is_refused_q),
-    .half_cannot_enter_i (half_cannot_enter_q), .half_descends_i (half_descends_q),
-    .half_is_lost_i (half_is_lost_q), .half_leaf_continues_i (half_leaf_continues_q),
-    .half_ends_i (half_ends_q), .half_pops_i (half_pops_q), .half_is_empty_i (half_is_empty_q),
-    .half_is_at_limit_i (half_is_at_limit_q), .half_is_on_stack_i (half_is_on_stack_q),
-    .half_deepest_i (half_deepest_q), .half_parent_i (half_parent_q), .half_place_i (half_place_q),
-    .half_child_i (half_child_q), .half_rest_present_i (half_rest_present_q),
-    .half_rest_child_0_i (half_rest_child_0_q), .half_rest_child_1_i (half_rest_child_1_q),
-    .half_rest_child_2_i (half_rest_child_2_q), .half_rest_tmin_0_i (half_rest_tmin_0_q),
-    .half_rest_tmin_1_i (half_rest_tmin_1_q), .half_rest_tmin_2_i (half_rest_tmin_2_q),
-    .top_present_i (stack_present), .top_child_0_i (stack_child_0), .top_child_1_i (stack_child_1),
-    .top_child_2_i (stack_child_2), .top_tmin_0_i (stack_tmin_0), .top_tmin_1_i (stack_tmin_1),
-    .top_tmin_2_i (stack_tmin_2), .next_any_hit_o (unused_finish_next_any_hit),
-    .next_root_o (unused_finish_next_root), .next_extent_o (finish_next_extent),
-    .next_has_hit_o (finish_next_has_hit), .next_t_num_o (finish_next_t_num),
-    .next_t_denom_o (finish_next_t_denom), .next_back_face_o (finish_next_back_face),
-    .next_primitive_o (finish_next_primitive), .next_nodes_o (finish_next_nodes),
-    .next_triangles_o (finish_next_triangles), .next_level_o (finish_next_level),
-    .next_pending_low_o (finish_next_pending_low), .next_pending_high_o (finish_next_pending_high),
-    .next_place_low_low_o (finish_next_place_low_low),
-    .next_place_low_high_o (finish_next_place_low_high),
-    .next_place_high_low_o (finish_next_place_high_low),
-    .next_place_high_high_o (finish_next_place_high_high), .next_base_o (finish_next_base),
-    .next_restarting_o (finish_next_restarting), .next_target_o (finish_next_target),
-    .next_leaf_address_o (finish_next_leaf_address), .next_leaf_left_o (finish_next_leaf_left),
-    .request_kind_o (finish_request_kind), .request_address_o (finish_request_address),
-    .request_count_o (count_o), .request_writes_o (finish_request_writes),
-    .request_level_o (finish_request_level),
-    .request_group_present_o (finish_request_group_present),
-    .request_group_child_0_o (finish_request_group_child_0),
-    .request_group_child_1_o (finish_request_group_child_1),
-    .request_group_child_2_o (finish_request_group_child_2),
-    .request_group_tmin_0_o (finish_request_group_tmin_0),
-    .request_group_tmin_1_o (finish_request_group_tmin_1),
-    .request_group_tmin_2_o (finish_request_group_tmin_2), .request_status_o (status_o)
+    .half_i (half_q), .top_i (stack), .next_any_hit_o (unused_finish_next_any_hit),
+    .next_root_o (unused_finish_next_root), .next_o (finish_next),
+    .request_o ({finish_request_kind, finish_request_address, count_o, finish_request_writes,
+        finish_request_level, finish_request_group, status_o})
   );
 
   raypath_ram_1r1w #(.Depth (Contexts), .Width (444)) u_states (
     .clk_i, .write_enable_i (finishes_q), .write_address_i (finished_context_q),
-    .write_data_i ({finish_next_extent, finish_next_has_hit, finish_next_t_num, finish_next_t_denom,
-        finish_next_back_face, finish_next_primitive, finish_next_nodes, finish_next_triangles,
-        finish_next_level, finish_next_pending_low, finish_next_pending_high,
-        finish_next_place_low_low, finish_next_place_low_high, finish_next_place_high_low,
-        finish_next_place_high_high, finish_next_base, finish_next_restarting, finish_next_target,
-        finish_next_leaf_address, finish_next_leaf_left}),
-    .read_enable_i (read), .read_address_i (read_context),
-    .read_data_o ({states_extent, states_has_hit, states_t_num, states_t_denom, states_back_face,
-        states_primitive, states_nodes, states_triangles, states_level, states_pending_low,
-        states_pending_high, states_place_low_low, states_place_low_high, states_place_high_low,
-        states_place_high_high, states_base, states_restarting, states_target, states_leaf_address,
-        states_leaf_left})
+    .write_data_i (finish_next), .read_enable_i (read_o), .read_address_i (read_context_o),
+    .read_data_o (states)
   );
 
   raypath_ram_1r1w #(.Depth (8*Contexts), .Width (195)) u_stack (
     .clk_i, .write_enable_i (finishes_q & finish_request_writes),
     .write_address_i ({finished_context_q, finish_request_level[2:0]}),
-    .write_data_i ({finish_request_group_present, finish_request_group_child_0,
-        finish_request_group_child_1, finish_request_group_child_2, finish_request_group_tmin_0,
-        finish_request_group_tmin_1, finish_request_group_tmin_2}),
-    .read_enable_i (prepares_q), .read_address_i ({prepared_context_q, prepare_half_deepest[2:0]}),
-    .read_data_o ({stack_present, stack_child_0, stack_child_1, stack_child_2, stack_tmin_0,
-        stack_tmin_1, stack_tmin_2})
+    .write_data_i (finish_request_group), .read_enable_i (prepares_q),
+    .read_address_i ({prepared_context_q, prepare_half.deepest[2:0]}), .read_data_o (stack)
   );
 
   assign goes_on       = finishes_q & ~flush_i;
@@ -538,24 +193,22 @@ module raypath_unit_walk #(
   assign unused_level  = ^finish_request_level[6:3];
 
   // ---- Outputs --------------------------------------------------------------
-  assign block_taken_o    = scheduler_grant[1];
-  assign fault_taken_o    = scheduler_grant[2];
-  assign start_taken_o    = scheduler_grant[3];
-  assign read_o           = read;
-  assign read_context_o   = read_context;
-  assign fetches_o        = goes_on & (finish_request_kind == raypath_unit_pkg::RequestFetch);
-  assign ends_o           = finishes_q & (flush_i | (finish_request_kind ==
+  assign block_taken_o          = scheduler_grant[1];
+  assign fault_taken_o          = scheduler_grant[2];
+  assign start_taken_o          = scheduler_grant[3];
+  assign fetches_o              = goes_on & (finish_request_kind == raypath_unit_pkg::RequestFetch);
+  assign ends_o                 = finishes_q & (flush_i | (finish_request_kind ==
       raypath_unit_pkg::RequestDone));
-  assign context_o        = finished_context_q;
-  assign steps_o          = finishes_q;
-  assign restarts_o       = finishes_q & finish_next_restarting & ~half_state_restarting_q;
-  assign block_o          = finish_request_address[31:7];
-  assign next_extent_o    = finish_next_extent;
-  assign next_t_num_o     = finish_next_t_num;
-  assign next_t_denom_o   = finish_next_t_denom;
-  assign next_back_face_o = finish_next_back_face;
-  assign next_primitive_o = finish_next_primitive;
-  assign next_nodes_o     = finish_next_nodes;
-  assign next_triangles_o = finish_next_triangles;
+  assign context_o              = finished_context_q;
+  assign steps_o                = finishes_q;
+  assign restarts_o             = finishes_q & finish_next.restarting & ~half_q.state.restarting;
+  assign block_o                = finish_request_address[31:7];
+  assign next_o.extent          = finish_next.extent;
+  assign next_o.t_num           = finish_next.t_num;
+  assign next_o.t_denom         = finish_next.t_denom;
+  assign next_o.back_face       = finish_next.back_face;
+  assign next_o.primitive_index = finish_next.primitive_index;
+  assign next_o.nodes           = finish_next.nodes;
+  assign next_o.triangles       = finish_next.triangles;
 
 endmodule : raypath_unit_walk
