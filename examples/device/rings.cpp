@@ -73,6 +73,8 @@ struct Bench {
   // Of 8 cycles, those in which a channel may move.
   uint32_t bus_pace = 8, read_pace = 8, data_pace = 8, aw_pace = 8, w_pace = 8, b_pace = 8, ray_pace = 8, hit_pace = 8;
   uint32_t latency = 1, capacity = 16;
+  // The memory is ready only for what is valid.
+  bool awaits_valid = false;
 
   // Software is correct, so that each record has one place and one hit.
   bool is_strict = false, is_flushed = false;
@@ -135,7 +137,8 @@ struct Bench {
 
   void drive_memory() {
     const bool reads_stop = arrived == silent_read && read_beat == silent_read % BEATS, writes_stop = answered == silent_write;
-    top.read_ready_i = chance(read_pace) && read_queue.size() < 8 && !reads_stop;
+    const auto is_ready = [&](uint32_t pace, bool valid) { return chance(pace) && (valid || !awaits_valid); };
+    top.read_ready_i = is_ready(read_pace, top.read_valid_o) && read_queue.size() < 8 && !reads_stop;
     top.data_valid_i = !read_queue.empty() && read_queue.front().ready <= cycle && chance(data_pace) && !reads_stop;
     // At least one beat of a record that fails has an error.
     data_fails = data_fails && read_beat != 0;
@@ -150,8 +153,8 @@ struct Bench {
       for (unsigned k = 0; k < std::min(BEAT_WORDS, 16u); k++)
         top.data_i[lane + k] = record[read_beat * BEAT_WORDS % 16 + k];
     }
-    top.m_axi_awready = chance(aw_pace) && write_queue.size() < 8 && !writes_stop;
-    top.m_axi_wready = chance(w_pace) && data_queue.size() < 8 && !writes_stop;
+    top.m_axi_awready = is_ready(aw_pace, top.m_axi_awvalid) && write_queue.size() < 8 && !writes_stop;
+    top.m_axi_wready = is_ready(w_pace, top.m_axi_wvalid) && data_queue.size() < 8 && !writes_stop;
     // So is the record of a hit written.
     top.m_axi_bvalid = !write_queue.empty() && !data_queue.empty() && write_queue.front().ready <= cycle &&
                        chance(b_pace) && !writes_stop;
@@ -663,7 +666,7 @@ struct Bench {
       kind = chosen.name;
       for (uint32_t *pace : {&bus_pace, &read_pace, &data_pace, &aw_pace, &w_pace, &b_pace, &ray_pace, &hit_pace})
         *pace = chance(4) ? 8 : 1 + below(7);
-      latency = chance(4) ? 1 + below(60) : 1, capacity = 1 + below(20);
+      latency = chance(4) ? 1 + below(60) : 1, capacity = 1 + below(20), awaits_valid = chance(4);
       begin(below(7), below(7), 1 + below(200));
       (this->*chosen.run)();
     }
