@@ -58,8 +58,8 @@
 #define RAYPATH_DEVICE_STATUS 0x018u
 #define RAYPATH_DEVICE_STATUS_IDLE_MASK 0x00000001u /* No ray, hit or transfer is in the device. */
 #define RAYPATH_DEVICE_STATUS_BUSY_MASK 0x00000002u /* The device is not idle. */
-#define RAYPATH_DEVICE_STATUS_MEMORY_TIMED_OUT_MASK 0x00000004u /* The memory owed a beat of a block for longer than timeout. */
-#define RAYPATH_DEVICE_STATUS_RING_TIMED_OUT_MASK 0x00000008u /* The memory owed a ring an answer for longer than timeout. */
+#define RAYPATH_DEVICE_STATUS_MEMORY_TIMED_OUT_MASK 0x00000004u /* A block was owed for longer than timeout. */
+#define RAYPATH_DEVICE_STATUS_RING_TIMED_OUT_MASK 0x00000008u /* A record was owed for longer than timeout. */
 #define RAYPATH_DEVICE_STATUS_ERROR_MASK 0x00000f00u /* The first error since it was cleared. */
 #define RAYPATH_DEVICE_STATUS_ERROR_SHIFT 8
 #define RAYPATH_DEVICE_STATUS_ERROR_NONE 0u /* No error. */

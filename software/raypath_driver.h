@@ -151,7 +151,7 @@ int raypath_driver_is_drained(const raypath_driver *device);
 raypath_driver_result raypath_driver_stop(raypath_driver *device);
 
 /* Disables the device, drops its rays, and clears its error. Hits that were not taken are lost. BUSY: it was not idle
- * after `polls` reads of its status; call again. A memory that never gives what it owes leaves it BUSY until a reset. */
+ * after `polls` reads of its status; call again. It stays BUSY while the memory owes something, or until a reset. */
 raypath_driver_result raypath_driver_abort(raypath_driver *device, uint32_t polls);
 
 /* Drops the rays inside the device; it goes on with the next ones. */

@@ -187,7 +187,8 @@ struct Outcome {
   uint64_t cycles = 0;
 };
 
-// Traces rays until all have their hits, `until` hits were taken, or rays time out. A hit that differs must be an error.
+// Traces rays until all have their hits, `until` hits were taken, or rays time out. A hit that differs must be an
+// error.
 static Outcome trace(Bench &bench, raypath_driver &device, const std::vector<raypath_device_ray> &rays,
                      const std::vector<raypath_device_hit> &expected, bool may_fail, size_t until) {
   Outcome outcome;

@@ -81,7 +81,8 @@ struct Bench {
   uint64_t failing_read = ~0ull, failing_write = ~0ull;
   // The record whose read, or write, the memory does not answer; how long it was silent while it owed one; whether that
   // was too long; and what it had answered by then.
-  uint64_t silent_read = ~0ull, silent_write = ~0ull, read_silence = 0, write_silence = 0, in_time = 0, answered_in_time = 0;
+  uint64_t silent_read = ~0ull, silent_write = ~0ull, read_silence = 0, write_silence = 0;
+  uint64_t in_time = 0, answered_in_time = 0;
   bool read_expires = false, write_expires = false;
   std::vector<Record> ray_memory, hit_memory;
   uint64_t ray_address = 0, hit_address = 0;
@@ -136,7 +137,9 @@ struct Bench {
   }
 
   void drive_memory() {
-    const bool reads_stop = arrived == silent_read && read_beat == silent_read % BEATS, writes_stop = answered == silent_write;
+    // A read stops after any of its beats.
+    const bool reads_stop = arrived == silent_read && read_beat == silent_read % BEATS;
+    const bool writes_stop = answered == silent_write;
     const auto is_ready = [&](uint32_t pace, bool valid) { return chance(pace) && (valid || !awaits_valid); };
     top.read_ready_i = is_ready(read_pace, top.read_valid_o) && read_queue.size() < 8 && !reads_stop;
     top.data_valid_i = !read_queue.empty() && read_queue.front().ready <= cycle && chance(data_pace) && !reads_stop;
@@ -587,7 +590,8 @@ struct Bench {
       wait_idle(true);
       while (take(70) > 0) {
       }
-      check(next_ray == in_time && taken == std::min(answered_in_time, in_time), "not the hits in time are in the ring");
+      check(next_ray == in_time && taken == std::min(answered_in_time, in_time),
+            "other hits than those in time are in the ring");
     }
     abort();
   }

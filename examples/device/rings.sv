@@ -103,9 +103,9 @@ module rings #(
   assign events_o = u_registers.interrupt_status_q;
 
   raypath_rings #(.AddressWidth (AddressWidth), .DataWidth (DataWidth), .FirstIndex (FirstIndex)) u_rings (
-    .enable_i (enable_o), .flush_i (flush_o), .clear_error_i (clear_error), .timeout_i (timeout_o), .ray_base_i (ray_base_o),
-    .ray_size_i (ray_size_o), .ray_tail_i (ray_tail_o), .hit_base_i (hit_base_o), .hit_size_i (hit_size_o),
-    .hit_head_i (hit_head_o), .*
+    .enable_i (enable_o), .flush_i (flush_o), .clear_error_i (clear_error), .timeout_i (timeout_o),
+    .ray_base_i (ray_base_o), .ray_size_i (ray_size_o), .ray_tail_i (ray_tail_o), .hit_base_i (hit_base_o),
+    .hit_size_i (hit_size_o), .hit_head_i (hit_head_o), .*
   );
 
 endmodule : rings

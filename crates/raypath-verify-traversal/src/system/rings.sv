@@ -25,7 +25,8 @@ module raypath_rings_properties #(
   wire p_cluster_idle;
   raypath_rings #(.AddressWidth (A), .DataWidth (D)) u_rings (
     .clk_i, .rst_ni, .enable_i, .flush_i, .clear_error_i, .timeout_i ({30'd0, limit_i}), .timed_out_o (timed_out),
-    .ray_base_i, .ray_size_i, .ray_tail_i, .hit_base_i, .hit_size_i, .hit_head_i, .ray_head_o (ray_head), .hit_tail_o (hit_tail), .idle_o (idle), .error_o (error),
+    .ray_base_i, .ray_size_i, .ray_tail_i, .hit_base_i, .hit_size_i, .hit_head_i, .ray_head_o (ray_head),
+    .hit_tail_o (hit_tail), .idle_o (idle), .error_o (error),
     .drained_o (drained), .cluster_idle_i (p_cluster_idle), .ray_valid_o (ray_valid), .ray_ready_i,
     .ray_record_o (ray_record), .hit_valid_i, .hit_ready_o (hit_ready), .hit_record_i, .read_valid_o (read_valid),
     .read_ready_i, .read_addr_o (read_addr), .data_valid_i, .data_error_i, .data_i, .m_axi_awvalid (awvalid),
