@@ -58,7 +58,8 @@
 #define RAYPATH_DEVICE_STATUS 0x018u
 #define RAYPATH_DEVICE_STATUS_IDLE_MASK 0x00000001u /* No ray, hit or transfer is in the device. */
 #define RAYPATH_DEVICE_STATUS_BUSY_MASK 0x00000002u /* The device is not idle. */
-#define RAYPATH_DEVICE_STATUS_MEMORY_TIMED_OUT_MASK 0x00000004u /* The memory owed a beat for longer than timeout. */
+#define RAYPATH_DEVICE_STATUS_MEMORY_TIMED_OUT_MASK 0x00000004u /* A block was owed for longer than timeout. */
+#define RAYPATH_DEVICE_STATUS_RING_TIMED_OUT_MASK 0x00000008u /* A record was owed for longer than timeout. */
 #define RAYPATH_DEVICE_STATUS_ERROR_MASK 0x00000f00u /* The first error since it was cleared. */
 #define RAYPATH_DEVICE_STATUS_ERROR_SHIFT 8
 #define RAYPATH_DEVICE_STATUS_ERROR_NONE 0u /* No error. */
@@ -67,12 +68,13 @@
 #define RAYPATH_DEVICE_STATUS_ERROR_REGION 3u /* A ring is not inside the memory. */
 #define RAYPATH_DEVICE_STATUS_ERROR_READ 4u /* The memory reported an error for a ray's record. */
 #define RAYPATH_DEVICE_STATUS_ERROR_WRITE 5u /* The memory reported an error for a hit's record. */
-#define RAYPATH_DEVICE_STATUS_ERROR_TIMEOUT 6u /* The memory timed out. */
+#define RAYPATH_DEVICE_STATUS_ERROR_TIMEOUT 6u /* The memory timed out for a block of the scene. */
+#define RAYPATH_DEVICE_STATUS_ERROR_RING_TIMEOUT 7u /* The memory timed out for a record of a ring. */
 
 /* Nodes that a ray may read. */
 #define RAYPATH_DEVICE_NODE_LIMIT 0x01cu
 
-/* Cycles that the memory may owe a beat; 0: any number. */
+/* Cycles that the memory may owe a beat or an answer; 0: any number. */
 #define RAYPATH_DEVICE_TIMEOUT 0x020u
 
 /* The first byte of the scene, aligned to 64. 64 bits. */

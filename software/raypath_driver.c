@@ -208,7 +208,8 @@ const char *raypath_driver_text(raypath_driver_result result) {
   case RAYPATH_DRIVER_REGION: return "a ring is not inside the memory";
   case RAYPATH_DRIVER_READ: return "the memory reported an error for a ray's record";
   case RAYPATH_DRIVER_WRITE: return "the memory reported an error for a hit's record";
-  case RAYPATH_DRIVER_TIMEOUT: return "the memory timed out";
+  case RAYPATH_DRIVER_TIMEOUT: return "the memory timed out for a block of the scene";
+  case RAYPATH_DRIVER_RING_TIMEOUT: return "the memory timed out for a record of a ring";
   case RAYPATH_DRIVER_NO_DEVICE: return "the register id is not that of a device";
   case RAYPATH_DRIVER_VERSION: return "the device has another version of the registers";
   case RAYPATH_DRIVER_BUSY: return "the device is enabled or not idle";

@@ -36,7 +36,7 @@ extern "C" {
 #define RAYPATH_DRIVER_DISCARD(address, bytes) ((void)(address), (void)(bytes))
 #endif
 
-/* A result of the driver. Values from 1 to 6 are the error codes of the device (RAYPATH_DEVICE_STATUS_ERROR_...). */
+/* A result of the driver. Values from 1 to 7 are the error codes of the device (RAYPATH_DEVICE_STATUS_ERROR_...). */
 typedef enum {
   RAYPATH_DRIVER_OK = 0,
   RAYPATH_DRIVER_RAYS = RAYPATH_DEVICE_STATUS_ERROR_RAYS,
@@ -45,6 +45,7 @@ typedef enum {
   RAYPATH_DRIVER_READ = RAYPATH_DEVICE_STATUS_ERROR_READ,
   RAYPATH_DRIVER_WRITE = RAYPATH_DEVICE_STATUS_ERROR_WRITE,
   RAYPATH_DRIVER_TIMEOUT = RAYPATH_DEVICE_STATUS_ERROR_TIMEOUT,
+  RAYPATH_DRIVER_RING_TIMEOUT = RAYPATH_DEVICE_STATUS_ERROR_RING_TIMEOUT,
   RAYPATH_DRIVER_NO_DEVICE = 16,
   RAYPATH_DRIVER_VERSION,
   RAYPATH_DRIVER_BUSY,
@@ -98,7 +99,7 @@ typedef struct {
   uint64_t scene_base; /* The first byte of the scene, aligned to 64. */
   uint64_t scene_end;  /* The first byte after it, aligned to 64. */
   uint32_t node_limit; /* Nodes that a ray may read. */
-  uint32_t timeout;    /* Cycles that the memory may owe a beat; 0: any number. */
+  uint32_t timeout;    /* Cycles that the memory may owe a beat or an answer; 0: any number. */
   raypath_driver_ring rays;
   raypath_driver_ring hits;
 } raypath_driver_setup;
@@ -150,7 +151,7 @@ int raypath_driver_is_drained(const raypath_driver *device);
 raypath_driver_result raypath_driver_stop(raypath_driver *device);
 
 /* Disables the device, drops its rays, and clears its error. Hits that were not taken are lost. BUSY: it was not idle
- * after `polls` reads of its status; call again. */
+ * after `polls` reads of its status; call again. It stays BUSY while the memory owes something, or until a reset. */
 raypath_driver_result raypath_driver_abort(raypath_driver *device, uint32_t polls);
 
 /* Drops the rays inside the device; it goes on with the next ones. */

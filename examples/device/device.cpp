@@ -4,8 +4,8 @@
 //
 //   device FOLDER     FOLDER has scene.bin, rays.bin and expected.bin, records of the rings
 //
-// It traces four times: undisturbed; with a region that leaves out the end of the scene; with a memory that stops
-// longer than the timeout; and once more, after a flush.
+// It traces five times: undisturbed; with a region that leaves out the end of the scene; with a memory that gives no
+// block, and no ray, for longer than the timeout; and once more, after a flush.
 
 #include <Vraypath_device.h>
 #include <verilated.h>
@@ -56,6 +56,7 @@ struct Bench {
   std::vector<uint8_t> memory;
   uint64_t cycle = 0, scene_end = 0, bursts = 0, stops_from = ~0ull, stops_until = 0;
   uint64_t rays_at = 0, hits_at = 0;
+  bool stops_rays = false;  // else blocks
   std::vector<Read> reads;
   std::deque<Write> writes;
   std::deque<std::vector<uint8_t>> data;
@@ -75,7 +76,7 @@ struct Bench {
       std::map<unsigned, bool> seen;  // reads of an id are answered in order
       for (size_t k = 0; k < reads.size(); k++) {
         const bool is_first = !std::exchange(seen[reads[k].id], true);
-        if (is_first && reads[k].due <= cycle && (!is_stopped || reads[k].id >= ring_id()))
+        if (is_first && reads[k].due <= cycle && (!is_stopped || (reads[k].id >= ring_id()) != stops_rays))
           due.push_back(static_cast<long>(k));
       }
       if (!due.empty()) current = due[random() % due.size()];
@@ -186,7 +187,8 @@ struct Outcome {
   uint64_t cycles = 0;
 };
 
-// Traces rays until all have their hits, or until `until` hits were taken. A hit that differs must be an error.
+// Traces rays until all have their hits, `until` hits were taken, or rays time out. A hit that differs must be an
+// error.
 static Outcome trace(Bench &bench, raypath_driver &device, const std::vector<raypath_device_ray> &rays,
                      const std::vector<raypath_device_hit> &expected, bool may_fail, size_t until) {
   Outcome outcome;
@@ -196,6 +198,7 @@ static Outcome trace(Bench &bench, raypath_driver &device, const std::vector<ray
   while (outcome.taken < std::min(until, rays.size())) {
     sent += raypath_driver_submit(&device, &rays[sent], static_cast<uint32_t>(rays.size() - sent));
     for (unsigned wait = 0; !bench.top.irq_o; wait++) {
+      if (wait > 2 * TIMEOUT && raypath_driver_error(&device) == RAYPATH_DRIVER_RING_TIMEOUT) return outcome;
       if (wait == 200000) fail("no interrupt");
       bench.step();
     }
@@ -287,6 +290,17 @@ int main(int count_of_arguments, char **arguments) {
   while (bench.cycle < bench.stops_until + 10 * TIMEOUT) bench.step();
   expect(raypath_driver_abort(&device, 1000), "abort");
   std::printf("a memory that stops: %zu rays end with an error\n", stopped.failed);
+
+  begin(scene);
+  bench.stops_rays = true;
+  bench.stops_from = bench.cycle + whole.cycles / 3;
+  bench.stops_until = ~0ull;
+  const Outcome silent = trace(bench, device, rays, expected, false, rays.size());
+  if (silent.taken == 0 || silent.taken == rays.size()) fail("the rays did not time out");
+  if (raypath_driver_abort(&device, 1000) != RAYPATH_DRIVER_BUSY) fail("idle, but the memory owes a ray");
+  bench.stops_until = bench.cycle;
+  expect(raypath_driver_abort(&device, 1000), "abort");
+  std::printf("a memory that gives no ray: %zu rays have hits before the timeout\n", silent.taken);
 
   begin(scene);
   trace(bench, device, rays, expected, false, rays.size() / 4);

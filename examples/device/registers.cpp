@@ -116,7 +116,7 @@ int main(int count, char **arguments) {
     // The state changes while no access is under way.
     for (unsigned k = below(4); k > 0; k--) {
       for (uint32_t &word : top.status_i.m_storage) word = static_cast<uint32_t>(random_bits());
-      top.status_i[5] &= 0x0f;
+      top.status_i[5] &= 0x1f;
       top.levels_i = below(8);
       top.events_i = random_bits() & ((1ull << 39) - 1);
       quiet(1);

@@ -25,7 +25,7 @@ module registers #(
   output logic [31:0]  rdata_o [2],
   output logic [1:0]   rresp_o [2],
   // What registers show, levels of interrupts, and events, for both.
-  input  logic [163:0] status_i,
+  input  logic [164:0] status_i,
   input  logic [2:0]   levels_i,
   input  logic [Counters*Units-1:0] events_i,
   // Settings with the interrupt, and pulses.
@@ -48,13 +48,14 @@ module registers #(
   logic        status_idle_i;
   logic        status_busy_i;
   logic        status_memory_timed_out_i;
+  logic        status_ring_timed_out_i;
   logic [3:0]  status_error_i;
   logic [31:0] ray_head_i;
   logic [31:0] hit_tail_i;
 
   assign {config_units_i, config_contexts_i, config_node_i, config_flags_i, config_candidates_i, config_instances_i,
           config_nested_instances_i, config_address_bits_i, memory_bytes_i, cache_bytes_i, status_idle_i, status_busy_i,
-          status_memory_timed_out_i, status_error_i, ray_head_i, hit_tail_i} = status_i;
+          status_memory_timed_out_i, status_ring_timed_out_i, status_error_i, ray_head_i, hit_tail_i} = status_i;
 
   // ---- Ours -----------------------------------------------------------------------
   logic        irq_o;
@@ -149,6 +150,7 @@ module registers #(
   assign hwif_in.status.idle.next              = status_idle_i;
   assign hwif_in.status.busy.next              = status_busy_i;
   assign hwif_in.status.memory_timed_out.next  = status_memory_timed_out_i;
+  assign hwif_in.status.ring_timed_out.next    = status_ring_timed_out_i;
   assign hwif_in.status.error.next             = status_error_i;
   assign hwif_in.ray_head.value.next           = ray_head_i;
   assign hwif_in.hit_tail.value.next           = hit_tail_i;

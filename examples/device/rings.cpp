@@ -48,7 +48,7 @@ static Record answer(const Record &ray) {
 }
 
 struct Settings {
-  bool enable, idle, drained;
+  bool enable, idle, drained, timed_out;
   uint64_t ray_base, hit_base;
   uint32_t ray_size, ray_head, ray_tail, hit_size, hit_head, hit_tail, error, events;
 
@@ -73,10 +73,17 @@ struct Bench {
   // Of 8 cycles, those in which a channel may move.
   uint32_t bus_pace = 8, read_pace = 8, data_pace = 8, aw_pace = 8, w_pace = 8, b_pace = 8, ray_pace = 8, hit_pace = 8;
   uint32_t latency = 1, capacity = 16;
+  // The memory is ready only for what is valid.
+  bool awaits_valid = false;
 
   // Software is correct, so that each record has one place and one hit.
   bool is_strict = false, is_flushed = false;
   uint64_t failing_read = ~0ull, failing_write = ~0ull;
+  // The record whose read, or write, the memory does not answer; how long it was silent while it owed one; whether that
+  // was too long; and what it had answered by then.
+  uint64_t silent_read = ~0ull, silent_write = ~0ull, read_silence = 0, write_silence = 0;
+  uint64_t in_time = 0, answered_in_time = 0;
+  bool read_expires = false, write_expires = false;
   std::vector<Record> ray_memory, hit_memory;
   uint64_t ray_address = 0, hit_address = 0;
 
@@ -130,8 +137,12 @@ struct Bench {
   }
 
   void drive_memory() {
-    top.read_ready_i = chance(read_pace) && read_queue.size() < 8;
-    top.data_valid_i = !read_queue.empty() && read_queue.front().ready <= cycle && chance(data_pace);
+    // A read stops after any of its beats.
+    const bool reads_stop = arrived == silent_read && read_beat == silent_read % BEATS;
+    const bool writes_stop = answered == silent_write;
+    const auto is_ready = [&](uint32_t pace, bool valid) { return chance(pace) && (valid || !awaits_valid); };
+    top.read_ready_i = is_ready(read_pace, top.read_valid_o) && read_queue.size() < 8 && !reads_stop;
+    top.data_valid_i = !read_queue.empty() && read_queue.front().ready <= cycle && chance(data_pace) && !reads_stop;
     // At least one beat of a record that fails has an error.
     data_fails = data_fails && read_beat != 0;
     const bool is_due = read_beat == BEATS - 1 && !data_fails;
@@ -145,11 +156,11 @@ struct Bench {
       for (unsigned k = 0; k < std::min(BEAT_WORDS, 16u); k++)
         top.data_i[lane + k] = record[read_beat * BEAT_WORDS % 16 + k];
     }
-    top.m_axi_awready = chance(aw_pace) && write_queue.size() < 8;
-    top.m_axi_wready = chance(w_pace) && data_queue.size() < 8;
+    top.m_axi_awready = is_ready(aw_pace, top.m_axi_awvalid) && write_queue.size() < 8 && !writes_stop;
+    top.m_axi_wready = is_ready(w_pace, top.m_axi_wvalid) && data_queue.size() < 8 && !writes_stop;
     // So is the record of a hit written.
-    top.m_axi_bvalid =
-        !write_queue.empty() && !data_queue.empty() && write_queue.front().ready <= cycle && chance(b_pace);
+    top.m_axi_bvalid = !write_queue.empty() && !data_queue.empty() && write_queue.front().ready <= cycle &&
+                       chance(b_pace) && !writes_stop;
     top.m_axi_bresp = static_cast<CData>(top.m_axi_bvalid && write_queue.front().fails ? 2 + below(2) : 0);
     top.m_axi_bid = 0;
     if (top.m_axi_bvalid) *place(write_queue.front().address) = data_queue.front();
@@ -217,6 +228,14 @@ struct Bench {
       check(top.m_axi_wlast == (write_beat == BEATS), "wlast is not that of the last beat");
       if (write_beat == BEATS) data_queue.push_back(written), write_beat = 0;
     }
+    const auto expires = [&](uint64_t owed, bool answers, uint64_t &silence) {
+      const bool is_silent = owed != 0 && !answers && !top.timed_out_o;
+      const bool is_long = is_silent && top.timeout_o != 0 && silence >= top.timeout_o;
+      silence = is_silent ? silence + 1 : 0;
+      return is_long;
+    };
+    read_expires = expires(reads - arrived, top.data_valid_i, read_silence);
+    write_expires = expires(placed - answered, top.m_axi_bvalid, write_silence);
     check(top.m_axi_bready, "bready fell");
     if (top.m_axi_bvalid) {
       b_fails = b_fails || top.m_axi_bresp != 0;
@@ -228,6 +247,7 @@ struct Bench {
       write_queue.pop_front(), data_queue.pop_front(), answered++;
     }
     if (top.data_valid_i && ++read_beat == BEATS) read_beat = 0, read_queue.pop_front(), arrived++;
+    if (!top.timed_out_o) in_time = arrived, answered_in_time = write_expires ? answered : ~0ull;
   }
   std::deque<unsigned> lanes;
 
@@ -271,6 +291,7 @@ struct Bench {
                 "a ray is not what was submitted");
           check(is_flushed || failing_read != ~0ull ? ray[0] >= next_ray : ray[0] == next_ray,
                 "rays come in another order");
+          check(ray[0] < in_time, "a ray came after a timeout");
           next_ray = ray[0] + 1;
         }
         // The element at the end may be offered.
@@ -287,9 +308,9 @@ struct Bench {
     drive_memory();
     drive_cluster();
     top.clk_i = 0, top.eval();
-    const Settings now = {!!top.enable_o, !!top.idle_o,   !!top.drained_o, top.ray_base_o,
-                          top.hit_base_o, top.ray_size_o, top.ray_head_o,  top.ray_tail_o,
-                          top.hit_size_o, top.hit_head_o, top.hit_tail_o,  top.error_o, top.events_o};
+    const Settings now = {!!top.enable_o, !!top.idle_o,   !!top.drained_o, !!top.timed_out_o, top.ray_base_o,
+                          top.hit_base_o, top.ray_size_o, top.ray_head_o,  top.ray_tail_o,    top.hit_size_o,
+                          top.hit_head_o, top.hit_tail_o, top.error_o,     top.events_o};
     check_state(now);
     const bool read_failed = data_fails && read_beat == BEATS - 1 && top.data_valid_i;
     b_fails = false;
@@ -322,9 +343,13 @@ struct Bench {
                          : now.error == 2 ? before.hits_are_wrong()
                          : now.error == 3 ? !before.fit()
                          : now.error == 4 ? ended_read_fails
-                                          : now.error == 5 && b_fails;
+                         : now.error == 5 ? b_fails
+                                          : now.error == 7 && (read_expires || write_expires);
       if (!right) fail("error %u without its cause", now.error);
     }
+    const bool is_late = !(before.idle && !before.enable) && (before.timed_out || read_expires || write_expires);
+    check(now.timed_out == is_late, "timed_out is not that of the memory");
+    check(!now.timed_out || now.error != 0, "a timeout without an error");
     // A level that rises sets its event, also while the event is cleared.
     check((now.events & due_events) == due_events, "an event is lost");
     due_events = (now.error != 0 && before.error == 0 ? RAYPATH_DEVICE_INTERRUPT_STATUS_ERROR_MASK : 0) |
@@ -405,7 +430,7 @@ struct Bench {
     is_taken.assign(count, false);
     accepted.clear();
     reads = arrived = next_ray = placed = answered = taken = sent = 0;
-    is_flushed = false, is_strict = true, failing_read = failing_write = ~0ull;
+    is_flushed = false, is_strict = true, failing_read = failing_write = silent_read = silent_write = ~0ull;
     const raypath_driver_setup setup = {
         0, 0, 1000, 0, {ray_memory.data(), ray_address, ray_size}, {hit_memory.data(), hit_address, hit_size}};
     expect(raypath_driver_configure(&device, &setup), RAYPATH_DRIVER_OK, "configure");
@@ -446,7 +471,7 @@ struct Bench {
       if (chance(prefers_take)) take(1 + below(70));
       else submit(1 + below(70));
       if (below(10) == 0) raypath_driver_acknowledge(&device);
-      if (below(30) == 0 && sent > taken && failing_read == ~0ull && failing_write == ~0ull)
+      if (below(30) == 0 && sent > taken && failing_read == ~0ull && failing_write == ~0ull && top.timeout_o == 0)
         expect(raypath_driver_stop(&device), RAYPATH_DRIVER_BUSY, "stop before the last hit");
       if (below(20) == 0)
         for (unsigned wait = below(300); wait > 0; wait--) tick();
@@ -550,12 +575,33 @@ struct Bench {
     check(taken == failing_write, "hits before a write that failed are not in the ring, or later ones are");
     abort();
   }
+  // Rays that were read in time have hits, and those before a write that was not answered in time are in the ring.
+  void silence() {
+    write(RAYPATH_DEVICE_TIMEOUT, 1 + below(400));
+    (chance(4) ? silent_read : silent_write) = below(rays.size());
+    wait_error(RAYPATH_DRIVER_RING_TIMEOUT);
+    check(read(RAYPATH_DEVICE_STATUS) & RAYPATH_DEVICE_STATUS_RING_TIMED_OUT_MASK, "a timeout is not in the status");
+    const bool is_owed = silent_read == arrived || silent_write == answered, flushes = chance(2);
+    if (is_owed && flushes)
+      expect(raypath_driver_abort(&device, 10), RAYPATH_DRIVER_BUSY, "abort with a memory that is silent");
+    is_flushed = is_flushed || flushes;
+    silent_read = silent_write = ~0ull;
+    if (!flushes) {
+      wait_idle(true);
+      while (take(70) > 0) {
+      }
+      check(next_ray == in_time && taken == std::min(answered_in_time, in_time),
+            "other hits than those in time are in the ring");
+    }
+    abort();
+  }
   void wrong_software() {
     is_strict = false;
     for (unsigned steps = 1 + below(80); steps > 0; steps--) {
       // Settings, and anything.
-      static const uint16_t offsets[] = {0x14, 0x40, 0x44, 0x48, 0x4c, 0x60, 0x64, 0x68, 0x6c, 0x80, 0x84, 0x88};
-      const uint32_t offset = chance(7) ? offsets[below(12)] : below(4096);
+      static const uint16_t offsets[] = {0x14, 0x20, 0x40, 0x44, 0x48, 0x4c, 0x60,
+                                         0x64, 0x68, 0x6c, 0x80, 0x84, 0x88};
+      const uint32_t offset = chance(7) ? offsets[below(13)] : below(4096);
       const uint32_t kinds[] = {below(8),
                                 below(70),
                                 below(1ull << 32),
@@ -617,21 +663,22 @@ struct Bench {
                  {"abort", &Bench::aborted},
                  {"read error", &Bench::read_error},
                  {"write error", &Bench::write_error},
+                 {"silence", &Bench::silence},
                  {"wrong software", &Bench::wrong_software}};
     for (episode = 1; episode <= episodes; episode++) {
-      const auto &chosen = kinds[below(7)];
+      const auto &chosen = kinds[below(std::size(kinds))];
       kind = chosen.name;
       for (uint32_t *pace : {&bus_pace, &read_pace, &data_pace, &aw_pace, &w_pace, &b_pace, &ray_pace, &hit_pace})
         *pace = chance(4) ? 8 : 1 + below(7);
-      latency = chance(4) ? 1 + below(60) : 1, capacity = 1 + below(20);
+      latency = chance(4) ? 1 + below(60) : 1, capacity = 1 + below(20), awaits_valid = chance(4);
       begin(below(7), below(7), 1 + below(200));
       (this->*chosen.run)();
     }
     printf("rings: data %u, addresses %u bits, seed %u: %u episodes, %lu cycles, %lu hits, %lu requests, %lu writes of "
            "nonsense, "
-           "errors 1 to 5: %lu %lu %lu %lu %lu: passed\n",
+           "errors 1 to 5, timeouts: %lu %lu %lu %lu %lu %lu: passed\n",
            DATA_WIDTH, ADDRESS_WIDTH, seed, episodes, cycle, records, requests, nonsense, errors[1], errors[2],
-           errors[3], errors[4], errors[5]);
+           errors[3], errors[4], errors[5], errors[7]);
     return 0;
   }
 };

@@ -62,6 +62,7 @@ module rings #(
   // What the bench sees of the registers.
   output logic                    enable_o,
   output logic                    flush_o,
+  output logic [31:0]             timeout_o,
   output logic [63:0]             ray_base_o,
   output logic [31:0]             ray_size_o,
   output logic [31:0]             ray_head_o,
@@ -72,6 +73,7 @@ module rings #(
   output logic [31:0]             hit_tail_o,
   output logic                    idle_o,
   output logic [3:0]              error_o,
+  output logic                    timed_out_o,
   output logic                    drained_o,
   output logic [2:0]              events_o
 );
@@ -83,13 +85,14 @@ module rings #(
     .clk_i, .rst_ni, .irq_o, .s_axi_awvalid, .s_axi_awready, .s_axi_awaddr, .s_axi_awprot ('0), .s_axi_wvalid,
     .s_axi_wready, .s_axi_wdata, .s_axi_wstrb, .s_axi_bvalid, .s_axi_bready, .s_axi_bresp, .s_axi_arvalid,
     .s_axi_arready, .s_axi_araddr, .s_axi_arprot ('0), .s_axi_rvalid, .s_axi_rready, .s_axi_rdata, .s_axi_rresp,
-    .control_enable_o (enable_o), .node_limit_o (), .timeout_o (), .scene_base_o (), .scene_end_o (), .ray_base_o,
+    .control_enable_o (enable_o), .node_limit_o (), .timeout_o, .scene_base_o (), .scene_end_o (), .ray_base_o,
     .ray_size_o, .ray_tail_o, .hit_base_o, .hit_size_o, .hit_head_o, .interrupt_hits_o (interrupt_hits),
     .control_flush_o (flush_o), .control_invalidate_o (), .control_clear_error_o (clear_error), .config_units_i (8'd1),
     .config_contexts_i (9'd16), .config_node_i (2'd0), .config_flags_i (1'b0), .config_candidates_i (1'b0),
     .config_instances_i (1'b0), .config_nested_instances_i (1'b0), .config_address_bits_i (6'(AddressWidth - 32'd32)),
     .memory_bytes_i (Bytes), .cache_bytes_i ('0), .status_idle_i (idle_o), .status_busy_i (~idle_o),
-    .status_memory_timed_out_i (1'b0), .status_error_i (error_o), .ray_head_i (ray_head_o), .hit_tail_i (hit_tail_o),
+    .status_memory_timed_out_i (1'b0), .status_ring_timed_out_i (timed_out_o), .status_error_i (error_o),
+    .ray_head_i (ray_head_o), .hit_tail_i (hit_tail_o),
     .interrupt_status_hits_i (enable_o & (hit_tail_o - hit_head_o >= interrupt_hits)),
     .interrupt_status_error_i (error_o != 4'd0), .interrupt_status_drained_i (drained_o), .count_cycles_i (1'b1),
     .count_boxes_i ('0), .count_triangles_i ('0), .count_transforms_i ('0), .count_steps_i ('0), .count_fetches_i ('0),
@@ -100,9 +103,9 @@ module rings #(
   assign events_o = u_registers.interrupt_status_q;
 
   raypath_rings #(.AddressWidth (AddressWidth), .DataWidth (DataWidth), .FirstIndex (FirstIndex)) u_rings (
-    .enable_i (enable_o), .flush_i (flush_o), .clear_error_i (clear_error), .ray_base_i (ray_base_o),
-    .ray_size_i (ray_size_o), .ray_tail_i (ray_tail_o), .hit_base_i (hit_base_o), .hit_size_i (hit_size_o),
-    .hit_head_i (hit_head_o), .*
+    .enable_i (enable_o), .flush_i (flush_o), .clear_error_i (clear_error), .timeout_i (timeout_o),
+    .ray_base_i (ray_base_o), .ray_size_i (ray_size_o), .ray_tail_i (ray_tail_o), .hit_base_i (hit_base_o),
+    .hit_size_i (hit_size_o), .hit_head_i (hit_head_o), .*
   );
 
 endmodule : rings

@@ -113,7 +113,13 @@ claims! {
         each_once: "stores | (w_valid_q & ~w_ends)" => "stores";
         head: "32'(record_ends)" => "32'(pushes)";
         tail: "m_axi_bvalid & ~write_fails & ~drops_q" => "m_axi_bvalid & ~write_fails";
-        first_error: "if (clear_error_i && !enable_i) error_q" => "if (clear_error_i) error_q";
+        tail: "| write_fails | times_out[1]" => "| write_fails";
+        in_time: "(waited_q >= timeout_i)" => "(waited_q > timeout_i)";
+        in_time: "!enable_i && !is_late" => "!enable_i && !late_q";
+        own_ray: "(record_fails | late_q)" => "record_fails";
+        cause: "enable_i && rays_are_wrong" => "rays_are_wrong";
+        cause: "error_q <= ErrorRead" => "error_q <= ErrorWrite";
+        first_error: "if (clear_error_i && !enable_i &&" => "if (clear_error_i &&";
         idle_alone: "(held_q == 3'd0) & (inside_q == '0)" => "(inside_q == '0)";
         idle_alone: "& (writing_q == 3'd0)" => "";
         never_full: "33'(hits_used) + 33'(writing_q)" => "33'(hits_used)";

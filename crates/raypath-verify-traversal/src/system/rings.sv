@@ -6,7 +6,7 @@ module raypath_rings_properties #(
 ) (
   input logic clk_i, rst_ni, enable_i, flush_i, clear_error_i, ray_ready_i, hit_valid_i, read_ready_i, data_valid_i,
   input logic data_error_i, m_axi_awready, m_axi_wready, m_axi_bvalid, drop_i,
-  input logic [1:0] m_axi_bresp,
+  input logic [1:0] m_axi_bresp, limit_i,
   input logic [63:0] ray_base_i, hit_base_i,
   input logic [31:0] ray_size_i, ray_tail_i, hit_size_i, hit_head_i,
   input logic [511:0] hit_record_i,
@@ -14,7 +14,7 @@ module raypath_rings_properties #(
 );
   localparam int BEATS = D > 512 ? 1 : 512 / D;
   wire [31:0] ray_head, hit_tail;
-  wire idle, drained, ray_valid, hit_ready, read_valid, awvalid, wvalid, wlast;
+  wire idle, timed_out, drained, ray_valid, hit_ready, read_valid, awvalid, wvalid, wlast;
   wire [3:0] error;
   wire [511:0] ray_record;
   wire [A-1:0] read_addr, awaddr;
@@ -24,8 +24,9 @@ module raypath_rings_properties #(
   wire [D/8-1:0] wstrb;
   wire p_cluster_idle;
   raypath_rings #(.AddressWidth (A), .DataWidth (D)) u_rings (
-    .clk_i, .rst_ni, .enable_i, .flush_i, .clear_error_i, .ray_base_i, .ray_size_i, .ray_tail_i, .hit_base_i,
-    .hit_size_i, .hit_head_i, .ray_head_o (ray_head), .hit_tail_o (hit_tail), .idle_o (idle), .error_o (error),
+    .clk_i, .rst_ni, .enable_i, .flush_i, .clear_error_i, .timeout_i ({30'd0, limit_i}), .timed_out_o (timed_out),
+    .ray_base_i, .ray_size_i, .ray_tail_i, .hit_base_i, .hit_size_i, .hit_head_i, .ray_head_o (ray_head),
+    .hit_tail_o (hit_tail), .idle_o (idle), .error_o (error),
     .drained_o (drained), .cluster_idle_i (p_cluster_idle), .ray_valid_o (ray_valid), .ray_ready_i,
     .ray_record_o (ray_record), .hit_valid_i, .hit_ready_o (hit_ready), .hit_record_i, .read_valid_o (read_valid),
     .read_ready_i, .read_addr_o (read_addr), .data_valid_i, .data_error_i, .data_i, .m_axi_awvalid (awvalid),
@@ -118,26 +119,63 @@ module raypath_rings_properties #(
   always_comb own_half: assert (!wvalid || wstrb == (D > 512 ? {{64{p_half}}, {64{!p_half}}} : {(D / 8){1'b1}}));
   always_comb each_once: assert (wvalid == (p_is_write || p_w_stalls_q));
 
+  // The cycles without an answer to a read, and to a write, that is owed.
+  logic [31:0] p_silent_q [2];
+  logic [1:0] p_expires;
+  logic p_late_q;
+  for (genvar k = 0; k < 2; k++) begin : g_silence
+    wire p_is_silent = !timed_out && (k ? p_writing != 0 && !m_axi_bvalid : p_reading != 0 && !data_valid_i);
+    always_ff @(posedge clk_i or negedge rst_ni)
+      if (!rst_ni) p_silent_q[k] <= 0;
+      else p_silent_q[k] <= p_is_silent ? p_silent_q[k] + 1 : 0;
+    assign p_expires[k] = p_is_silent && limit_i != 0 && p_silent_q[k] >= limit_i;
+  end
+  always_ff @(posedge clk_i or negedge rst_ni)
+    if (!rst_ni) p_late_q <= 0;
+    else p_late_q <= !(!enable_i && idle) && (timed_out || p_expires != 0);
+  always_comb in_time: assert (timed_out == p_late_q && (!timed_out || error != 0));
+
+  // Rays are records that arrived in time and without an error.
+  logic [2:0] p_due_q;
+  logic p_bad_q;
+  wire p_is_bad = data_error_i || p_bad_q;
+  wire p_is_due = p_record_ends && !p_is_bad && !timed_out;
+  always_ff @(posedge clk_i or negedge rst_ni)
+    if (!rst_ni) {p_due_q, p_bad_q} <= 0;
+    else begin
+      p_due_q <= p_due_q + {2'd0, p_is_due && (p_due_q != 7 || p_sends)} - {2'd0, p_sends};
+      if (data_valid_i) p_bad_q <= p_is_bad && !p_record_ends;
+    end
+  always_comb own_ray: assert (!ray_valid || p_due_q != 0);
+
   // Indices move by a record that was read, and by one that is in memory and none before it failed.
   logic [31:0] p_head_q, p_tail_q;
   logic p_starts_q, p_fails_q, p_wrong_q;
   logic [3:0] p_first_q;
-  wire p_is_wrong = hit_size_i > 20 || hit_tail - hit_head_i > 1 << hit_size_i || p_hit_end > 1 << A;
+  logic [15:0] p_causes_q;
+  wire p_is_wrong_of_rays = ray_size_i > 20 || ray_tail_i - ray_head > 1 << ray_size_i;
+  wire p_is_wrong_of_hits = hit_size_i > 20 || hit_tail - hit_head_i > 1 << hit_size_i;
+  wire p_is_wrong = p_is_wrong_of_hits || p_hit_end > 1 << A;
+  wire [65:0] p_ray_end = {2'd0, ray_base_i & ~64'd63} + (64 << ray_size_i[4:0]);
   wire [65:0] p_hit_end = {2'd0, hit_base_i & ~64'd63} + (64 << hit_size_i[4:0]);
   wire p_fails = m_axi_bvalid && m_axi_bresp != 0;
   always_ff @(posedge clk_i or negedge rst_ni)
-    if (!rst_ni) {p_head_q, p_tail_q, p_starts_q, p_fails_q, p_wrong_q, p_first_q} <= 0;
+    if (!rst_ni) {p_head_q, p_tail_q, p_starts_q, p_fails_q, p_wrong_q, p_first_q, p_causes_q} <= 0;
     else begin
       p_head_q <= p_record_ends ? ray_head + 1 : ray_head;
       p_tail_q <= m_axi_bvalid && !p_fails && !p_fails_q ? hit_tail + 1 : hit_tail;
       p_starts_q <= !enable_i && idle;
-      p_fails_q <= !(!enable_i && idle) && (p_fails_q || p_fails);
+      p_fails_q <= !(!enable_i && idle) && (p_fails_q || p_fails || p_expires[1]);
       p_wrong_q <= !(!enable_i && idle) && (p_wrong_q || p_is_wrong);
-      p_first_q <= clear_error_i && !enable_i ? 0 : error;
+      p_first_q <= clear_error_i && !enable_i && !timed_out && p_expires == 0 ? 0 : error;
+      p_causes_q <= error != 0 ? 0 : {8'd0, p_expires != 0, 1'b0, p_fails, p_record_ends && p_is_bad,
+        enable_i && p_ray_end > 1 << A || (enable_i || !idle) && p_hit_end > 1 << A,
+        (enable_i || !idle) && p_is_wrong_of_hits, enable_i && p_is_wrong_of_rays, 1'b0};
     end
   always_comb head: assert (ray_head == (p_starts_q ? 0 : p_head_q));
   always_comb tail: assert (hit_tail == (p_starts_q ? 0 : p_tail_q) || (p_wrong_q && hit_tail + 1 == p_tail_q));
   always_comb first_error: assert (p_first_q == 0 || error == p_first_q);
+  always_comb cause: assert (p_first_q != 0 || (p_causes_q == 0 ? error == 0 : p_causes_q[error]));
   always_comb idle_alone: assert (!idle || (!read_valid && p_beats_q == 0 && !awvalid && !wvalid && p_addresses_q == 0
     && p_records_q == 0 && p_inside_q == 0 && !ray_valid));
 
@@ -158,6 +196,7 @@ module raypath_rings_properties #(
   (* hierconn *) wire [2:0] \u_rings.held_q ;
   (* hierconn *) wire [2:0] \u_rings.writing_q ;
   (* hierconn *) wire [19:0] \u_rings.inside_q ;
+  (* hierconn *) wire [31:0] \u_rings.g_times[0].waited_q , \u_rings.g_times[1].waited_q ;
   (* hierconn *) wire \u_rings.flushes_q ;
   (* hierconn *) wire \u_rings.drops_q ;
   (* hierconn *) wire [511:0] \u_rings.w_record_q ;
@@ -175,5 +214,7 @@ module raypath_rings_properties #(
     && (\u_rings.flushes_q ? \u_rings.inside_q >= p_inside_q : \u_rings.inside_q == p_inside_q)
     && (!p_fails_q || \u_rings.drops_q ) && (!\u_rings.drops_q || p_fails_q || p_wrong_q)
     && (!wvalid || \u_rings.w_record_q == p_record_q >> p_beat_q * D)
-    && (!p_w_stalls_q || wvalid));
+    && (!p_w_stalls_q || wvalid)
+    && p_queued <= p_due_q && (!p_bad_q || p_part_q != 0)
+    && p_silent_q[0] == \u_rings.g_times[0].waited_q && p_silent_q[1] == \u_rings.g_times[1].waited_q );
 endmodule

@@ -118,6 +118,7 @@ module raypath_device #(
   logic        is_idle;
   logic        drained;
   logic        timed_out;
+  logic        ring_timed_out;
   logic [3:0]  rings_error;
   logic [3:0]  error;
   @COUNT_WIRES@
@@ -142,7 +143,8 @@ module raypath_device #(
     .config_address_bits_i (6'(AddressWidth - 32)), .memory_bytes_i (BeatBytes),
     .cache_bytes_i (CacheBytes),
     .status_idle_i (is_idle), .status_busy_i (~is_idle), .status_memory_timed_out_i (timed_out),
-    .status_error_i (error), .ray_head_i (ray_head), .hit_tail_i (hit_tail),
+    .status_ring_timed_out_i (ring_timed_out), .status_error_i (error), .ray_head_i (ray_head),
+    .hit_tail_i (hit_tail),
     .interrupt_status_hits_i (enable && unread != 32'd0 && unread >= interrupt_hits),
     .interrupt_status_error_i (error != 4'd0), .interrupt_status_drained_i (drained),
     .count_cycles_i (1'b1),
@@ -167,8 +169,9 @@ module raypath_device #(
 
   raypath_rings #(.AddressWidth (AddressWidth), .DataWidth (DataWidth)) u_rings (
     .clk_i, .rst_ni, .enable_i (enable), .flush_i (flush), .clear_error_i (clear_error),
-    .ray_base_i (ray_base), .ray_size_i (ray_size), .ray_tail_i (ray_tail),
-    .hit_base_i (hit_base), .hit_size_i (hit_size), .hit_head_i (hit_head),
+    .timeout_i (timeout), .timed_out_o (ring_timed_out), .ray_base_i (ray_base),
+    .ray_size_i (ray_size), .ray_tail_i (ray_tail), .hit_base_i (hit_base),
+    .hit_size_i (hit_size), .hit_head_i (hit_head),
     .ray_head_o (ray_head), .hit_tail_o (hit_tail), .idle_o (rings_idle), .error_o (rings_error),
     .drained_o (drained), .cluster_idle_i (cluster_idle), .ray_valid_o (ray_valid),
     .ray_ready_i (ray_ready), .ray_record_o (ray), .hit_valid_i (hit_valid),

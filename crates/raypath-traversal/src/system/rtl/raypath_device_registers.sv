@@ -54,6 +54,7 @@ module raypath_device_registers #(
   input  logic             status_idle_i,
   input  logic             status_busy_i,
   input  logic             status_memory_timed_out_i,
+  input  logic             status_ring_timed_out_i,
   input  logic [3:0]       status_error_i,
   input  logic [31:0]      ray_head_i,
   input  logic [31:0]      hit_tail_i,
@@ -391,8 +392,8 @@ module raypath_device_registers #(
       WordMemoryBytes:     read_data = memory_bytes_i;
       WordCacheBytes:      read_data = cache_bytes_i;
       WordControl:         read_data = {31'd0, control_q};
-      WordStatus:          read_data = {20'd0, status_error_i, 5'd0, status_memory_timed_out_i,
-                                        status_busy_i, status_idle_i};
+      WordStatus:          read_data = {20'd0, status_error_i, 4'd0, status_ring_timed_out_i,
+                                        status_memory_timed_out_i, status_busy_i, status_idle_i};
       WordNodeLimit:       read_data = node_limit_q;
       WordTimeout:         read_data = timeout_q;
       WordSceneBaseLow:    read_data = {scene_base_low_q, 6'd0};

@@ -11,6 +11,9 @@ module raypath_rings #(
   input  logic                    enable_i,
   input  logic                    flush_i,
   input  logic                    clear_error_i,
+  // The cycles in which the memory may answer no read, or no write, while it owes one; 0 for any
+  // number.
+  input  logic [31:0]             timeout_i,
   input  logic [63:0]             ray_base_i,
   input  logic [31:0]             ray_size_i,
   input  logic [31:0]             ray_tail_i,
@@ -22,6 +25,7 @@ module raypath_rings #(
   output logic [31:0]             hit_tail_o,
   output logic                    idle_o,
   output logic [3:0]              error_o,
+  output logic                    timed_out_o,
   output logic                    drained_o,
   // Rays to the cluster, and its hits in any order. It is idle until the edge at which it takes a
   // ray, and again when its last hit is taken or dropped. A flush withdraws a ray that it has not
@@ -81,7 +85,8 @@ module raypath_rings #(
   end
 
   typedef enum logic [3:0] {
-    ErrorNone, ErrorRays, ErrorHits, ErrorRegion, ErrorRead, ErrorWrite
+    ErrorNone, ErrorRays, ErrorHits, ErrorRegion, ErrorRead, ErrorWrite,
+    ErrorTimeout = 4'd7
   } error_t;
 
   // ---- The rings ----------------------------------------------------------------
@@ -129,13 +134,37 @@ module raypath_rings #(
   assign has_room       = ~hits_are_wrong & hits_fit
                         & (33'(hits_used) + 33'(writing_q) < 33'(hit_places));
 
+  // ---- The time of the memory -----------------------------------------------------
+  // After a timeout, late records are dropped, until the engine is disabled and idle.
+  logic [1:0] waits;
+  logic [1:0] times_out;
+  logic       is_late;
+  logic       late_q;
+  logic       starts;
+
+  assign is_late = late_q | (|times_out);
+  assign waits   = {(writing_q != 3'd0) & ~m_axi_bvalid, (reading_q != 3'd0) & ~data_valid_i};
+
+  for (genvar k = 0; k < 2; k++) begin : g_times
+    logic [31:0] waited_q;
+    assign times_out[k] = waits[k] & ~late_q & (timeout_i != 32'd0) & (waited_q >= timeout_i);
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) waited_q <= '0;
+      else waited_q <= (waits[k] & ~late_q) ? waited_q + 32'd1 : '0;
+    end
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) late_q <= 1'b0;
+    else late_q <= ~starts & is_late;
+  end
+
   // ---- Errors -------------------------------------------------------------------
   // The first error stays. Hits are dropped after an error of their ring, until the engine is
   // disabled and idle: the places of later ones are not known.
   error_t error_q;
   logic   drops_q;
   logic   flushes_q;
-  logic   starts;
   logic   read_fails;
   logic   write_fails;
   logic   hits_fail;
@@ -148,9 +177,11 @@ module raypath_rings #(
       error_q <= ErrorNone;
       drops_q <= 1'b0;
     end else begin
-      drops_q <= ~starts & (drops_q | hits_fail | write_fails);
+      drops_q <= ~starts & (drops_q | hits_fail | write_fails | times_out[1]);
       if (error_q != ErrorNone) begin
-        if (clear_error_i && !enable_i) error_q <= ErrorNone;
+        if (clear_error_i && !enable_i && !is_late) error_q <= ErrorNone;
+      end else if (|times_out) begin
+        error_q <= ErrorTimeout;
       end else if (write_fails) begin
         error_q <= ErrorWrite;
       end else if (read_fails) begin
@@ -182,8 +213,8 @@ module raypath_rings #(
 
   assign read_valid_o = request_valid_q;
   assign read_addr_o  = {request_place_q, 6'd0};
-  assign read_fails   = record_ends & record_fails;
-  assign pushes       = record_ends & ~record_fails;
+  assign read_fails   = record_ends & (record_fails | late_q);
+  assign pushes       = record_ends & ~read_fails;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -350,10 +381,11 @@ module raypath_rings #(
   assign m_axi_wlast   = w_is_last;
   assign m_axi_bready  = 1'b1;
 
-  assign ray_head_o = ray_head_q;
-  assign hit_tail_o = hit_tail_q;
-  assign error_o    = error_q;
-  assign idle_o     = (held_q == 3'd0) & (inside_q == '0) & (writing_q == 3'd0) & ~flushes_q;
-  assign drained_o  = enable_i & idle_o & (rays_used == 32'd0);
+  assign ray_head_o  = ray_head_q;
+  assign hit_tail_o  = hit_tail_q;
+  assign error_o     = error_q;
+  assign timed_out_o = late_q;
+  assign idle_o      = (held_q == 3'd0) & (inside_q == '0) & (writing_q == 3'd0) & ~flushes_q;
+  assign drained_o   = enable_i & idle_o & (rays_used == 32'd0);
 
 endmodule : raypath_rings
