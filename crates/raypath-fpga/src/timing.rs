@@ -1,7 +1,8 @@
-//! nextpnr's report: the use of the device, the clock, the slowest path, and the slowest path to each stage.
+//! nextpnr's report: the use of the device, the clock, the slowest path cell by cell, and the slowest path to each stage.
 
-use crate::netlist::stage;
+use crate::netlist::{Module, stage};
 use crate::report::{Step, Use};
+use crate::shell::INSTANCE;
 use raypath_tools::ToolError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -13,7 +14,9 @@ pub(crate) struct Timing {
     /// Nanoseconds to the slowest end in each stage, without the end's setup.
     pub slowest: BTreeMap<String, f64>,
     pub path: Vec<Step>,
+    pub logic_ns: f64,
     pub routing_ns: f64,
+    pub levels: usize,
     pub used: BTreeMap<String, Use>,
 }
 
@@ -39,15 +42,20 @@ struct RawStep {
     from: RawPin,
     to: RawPin,
     net: Option<String>,
+    /// `clk-to-q`, `routing`, `logic` or `setup`.
+    #[serde(rename = "type")]
+    kind: String,
 }
 
 #[derive(Deserialize)]
 struct RawPin {
     cell: String,
+    port: String,
 }
 
 #[derive(Deserialize)]
 struct RawNet {
+    net: String,
     event: String,
     endpoints: Vec<RawEnd>,
 }
@@ -68,11 +76,20 @@ struct RawClock {
 /// What begins and ends at a clock edge, unlike pins.
 const CLOCKED: &str = "posedge ";
 
+/// What cells were made of.
+pub(crate) struct Origin<'a> {
+    pub module: &'a Module,
+    /// The text that was synthesised.
+    pub text: &'a str,
+    /// The stages with their modules.
+    pub stages: &'a [(String, String)],
+}
+
 /// Parses nextpnr's report.
 ///
 /// # Errors
 /// Another form, or no path from a clock edge to the next.
-pub(crate) fn parse(json: &str) -> Result<Timing, ToolError> {
+pub(crate) fn parse(json: &str, origin: &Origin<'_>) -> Result<Timing, ToolError> {
     let unexpected = |found: String| ToolError::unexpected("nextpnr", found, "a report with a clock and its path");
     let raw: Raw = serde_json::from_str(json).map_err(|problem| unexpected(problem.to_string()))?;
     let clock = raw.fmax.values().map(|clock| clock.achieved).reduce(f64::min);
@@ -86,37 +103,89 @@ pub(crate) fn parse(json: &str) -> Result<Timing, ToolError> {
         }
     }
     let used = raw.utilization.into_iter().filter(|(kind, _)| SHOWN.contains(&kind.as_str())).collect();
-    let routing_ns = path.path.iter().filter(|step| step.net.is_some()).map(|step| step.delay).sum();
-    Ok(Timing { clock_mhz, slowest, path: steps(&path.path), routing_ns, used })
+    let sum = |wires| path.path.iter().filter(|step| step.net.is_some() == wires).map(|step| step.delay).sum();
+    let readers = |net: &str| {
+        let nets = raw.detailed_net_timings.iter().filter(|other| other.net == net);
+        nets.map(|net| net.endpoints.len()).max()
+    };
+    let (path, levels) = steps(&path.path, origin, readers);
+    Ok(Timing { clock_mhz, slowest, path, logic_ns: sum(false), routing_ns: sum(true), levels, used })
 }
 
 /// The kinds of resources that reports have.
 const SHOWN: [&str; 6] = ["TRELLIS_COMB", "TRELLIS_FF", "TRELLIS_RAMW", "MULT18X18D", "DP16KD", "TRELLIS_IO"];
 
-/// The signals on a path, each with the time at which it is settled at its last reader on the path.
-fn steps(path: &[RawStep]) -> Vec<Step> {
+/// The cells and wires on a path, and the number of cells between the registers. A carry chain is one cell.
+fn steps(path: &[RawStep], origin: &Origin<'_>, readers: impl Fn(&str) -> Option<usize>) -> (Vec<Step>, usize) {
     let mut steps: Vec<Step> = Vec::new();
-    let mut ns = 0.0;
-    for (index, step) in path.iter().enumerate() {
-        ns += step.delay;
-        let is_last = index + 1 == path.len();
-        let name = match &step.net {
-            Some(net) => plain(net),
-            None if index == 0 => plain(&step.from.cell),
-            None if is_last => plain(&step.to.cell),
-            None => continue,
-        };
-        match steps.last_mut() {
-            Some(last) if last.signal == name => last.ns = ns,
-            _ => steps.push(Step { signal: name.to_string(), ns }),
+    let (mut at_ns, mut levels, mut carries) = (0.0, 0, 0);
+    // The stage is that of the cell that drives a wire.
+    let mut stage = String::new();
+    for RawStep { delay, from, to, net, kind } in path {
+        at_ns += delay;
+        let mut step = Step { ns: *delay, at_ns, ..Step::default() };
+        if let Some(net) = net {
+            if to.port == "FCI" {
+                continue;
+            }
+            let count = readers(net).map_or(String::new(), |count| format!(" to {count}"));
+            (step.what, step.stage) = (format!("wire{count}"), stage.clone());
+            step.signal = if plain(net) == net { inside(net) } else { String::new() };
+        } else {
+            let cell = origin.module.cell(&to.cell);
+            let name = match (cell.map_or("cell", |cell| &cell.kind), kind.as_str()) {
+                // The multiplexer that is in the slice of a lookup table.
+                (_, "logic") if to.port.starts_with("OFX") => "PFUMX".to_string(),
+                (name, "logic") => name.to_string(),
+                (name, end) => format!("{name} {end}"),
+            };
+            carries = if from.port == "FCI" { carries + 1 } else { 0 };
+            if let (1.., Some(last)) = (carries, steps.last_mut()) {
+                (last.ns, last.at_ns, last.what) = (last.ns + delay, at_ns, format!("{name}, {} bits", carries + 1));
+                continue;
+            }
+            levels += usize::from(kind == "logic");
+            let place = cell.and_then(|cell| Some((module_at(origin.text, cell.line()?)?, cell.line()?)));
+            let mut stages = origin.stages.iter().filter(|(_, module)| place.is_some_and(|(name, _)| name == module));
+            stage = match (stages.next(), stages.next()) {
+                (Some((stage, _)), None) => stage.clone(),
+                _ => self::stage(&to.cell),
+            };
+            step.signal = match place {
+                Some(_) if !drives_its_name(&to.cell) => String::new(),
+                Some(_) => inside(plain(&to.cell)),
+                None => format!("near {}", inside(plain(&to.cell))),
+            };
+            step.text = place.map_or(String::new(), |(module, line)| format!("{module}:{line}"));
+            (step.what, step.stage) = (name, stage.clone());
         }
+        steps.push(step);
     }
-    steps
+    (steps, levels)
+}
+
+/// The module that a line of a text is in.
+fn module_at(text: &str, line: usize) -> Option<&str> {
+    let heads = text.lines().take(line).filter_map(|line| line.strip_prefix("module "));
+    heads.last()?.split(|c: char| !c.is_alphanumeric() && c != '_').next()
+}
+
+/// A name without that of the design's instance in the shell.
+fn inside(name: &str) -> String {
+    name.strip_prefix(INSTANCE).and_then(|rest| rest.strip_prefix('.')).unwrap_or(name).to_string()
+}
+
+/// Whether synthesis has named a cell by a signal that is its output. Others have the name of a signal that is near:
+/// that of a register without a name of its own may be its reset's.
+fn drives_its_name(cell: &str) -> bool {
+    let ending = &cell[plain(cell).len()..];
+    let outputs = ["_TRELLIS_FF_Q", "_CCU2C_S0", "_CCU2C_S1", "_CCU2C_COUT", "_MULT18X18D_P", "_DP16KD_DO"];
+    outputs.iter().any(|output| ending.strip_prefix(output).is_some_and(|rest| !rest.contains(char::is_uppercase)))
 }
 
 /// The name of the nearest signal of the text: synthesis appends the cells between, such as `_LUT4_Z_D`.
 fn plain(name: &str) -> &str {
-    let cells = ["_LUT4", "_CCU2C", "_PFUMX", "_L6MUX21", "_TRELLIS", "_MULT18X18D", "_DP16KD", "$CCU2"];
+    let cells = ["_LUT4", "_CCU2C", "_PFUMX", "_L6MUX21", "_TRELLIS", "_MULT18X18D", "_DP16KD", "$"];
     let end = cells.iter().filter_map(|cell| name.find(cell)).min();
     &name[..end.unwrap_or(name.len())]
 }

@@ -1,37 +1,55 @@
-//! `raypath fpga`: the datapath on an FPGA.
+//! `raypath fpga`: the datapath, or the traversal unit, on an FPGA.
 
 use crate::commands::full::measuring::RESUMES;
 use crate::commands::full::ppa::json;
+use crate::commands::unit::{UnitArguments, not_with_unit};
 use crate::{CliError, DatapathArguments, Progress, Stopped, number, whole};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use raypath_fpga::{Comparison, Device, Flow, Host, Implementation, Shell, StreamWidth, Target, tables};
-use raypath_hdl::verilog;
+use raypath_fpga::{
+    Comparison, Device, Flow, Host, Implementation, Progress as Steps, Project, Report, Shell, StreamWidth, Target,
+    reduced, tables,
+};
+use raypath_hdl::{Module, verilog};
 use raypath_model::Model;
 use raypath_rtl::Config;
 use raypath_sim::files::write_all;
 use raypath_sim::{Datapath, Words, jobs};
 use raypath_tools::{Nextpnr, Options, Sources, ToolError, VerilatedStream, Yosys, temporary_folder};
+use raypath_traversal::UnitNetlist;
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 #[derive(Debug, Args)]
+#[command(after_help = not_with_unit())]
 pub struct Arguments {
     #[command(flatten)]
     datapath: DatapathArguments,
-    /// The FPGA: ecp5-25k, ecp5-45k or ecp5-85k
+    /// Place and route the traversal unit with this datapath inside, between two shift registers
+    #[arg(long, conflicts_with_all = ["loopback", "connect", "stream"])]
+    unit: bool,
+    #[command(flatten)]
+    parameters: UnitArguments,
+    /// The FPGA: ecp5-25k, ecp5-45k or ecp5-85k; or xilinx-7 or xilinx-ultrascale-plus, for the cells without a clock
     #[arg(long, default_value = "ecp5-85k")]
     device: Device,
-    /// Its speed grade; 6 is the slowest
-    #[arg(long, default_value_t = 6, value_parser = whole(6_u8..=8))]
-    speed: u8,
+    /// Its speed grade; 6 is the slowest. Other grades after the first are placed and routed for their clocks only
+    #[arg(long, default_value = "6", value_parser = whole(6_u8..=8), value_delimiter = ',', value_name = "GRADE,...")]
+    speed: Vec<u8>,
     /// The clock that placement and routing aim at, in MHz; not a limit
     #[arg(long, default_value_t = 70.0, value_parser = number(1.0..=1000.0, "MHz, 1 to 1000"), value_name = "MHZ")]
     clock: f64,
     /// Seed of the placement
     #[arg(long, default_value_t = 1)]
     placement: u32,
+    /// Place and route with this number of seeds, from --placement on, and keep the fastest; from 1 to 1000
+    #[arg(long, default_value_t = 1, value_parser = whole(1_u32..=1000))]
+    seeds: u32,
+    /// Instead of an implementation, write a project for Vivado or Quartus: vivado or quartus
+    #[arg(long, conflicts_with_all = ["loopback", "connect"])]
+    project: Option<Project>,
     /// The bits of a word of the streams around the datapath
     #[arg(long, default_value = "8", value_parser = stream(), value_name = "BITS")]
     stream: StreamWidth,
@@ -66,6 +84,13 @@ fn stream() -> impl TypedValueParser<Value = StreamWidth> {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let (config, datapath) = arguments.datapath.datapath()?;
+    if arguments.unit {
+        let parameters = arguments.parameters.parameters();
+        let unit = UnitNetlist::new(config, parameters).map_err(CliError::unusable)?;
+        let name = format!("traversal unit, {parameters}, around {}", arguments.datapath.name(config));
+        return report(arguments, &name, &unit.top, || Ok(reduced(&unit.top)?), out);
+    }
+    arguments.parameters.expect_none("--unit")?;
     let elaborated = datapath.elaborate()?;
     let shell = Shell::new(elaborated.top(), arguments.stream)?;
     match &arguments.connect {
@@ -102,49 +127,100 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
             },
             out,
         ),
-        None => implement(arguments, config, &shell, out),
+        None => {
+            let name = arguments.datapath.name(config);
+            report(arguments, &name, elaborated.top(), || Ok(shell.top.clone()), out)
+        }
     }
 }
 
-fn implement(arguments: &Arguments, config: Config, shell: &Shell, out: &mut dyn Write) -> Result<(), CliError> {
-    let Arguments { device, speed, clock, placement, cache, out: folder, .. } = arguments;
-    let flow = Flow { yosys: Yosys::find(None)?, nextpnr: Nextpnr::find()?, cache: cache.clone() };
-    let target = Target { device: *device, speed: *speed, clock_mhz: *clock, seed: *placement };
-    let name = arguments.datapath.name(config);
+/// Writes a project, or a report of the cells on an FPGA of Xilinx's, or one with a bitstream.
+fn report(
+    arguments: &Arguments,
+    name: &str,
+    design: &Arc<Module>,
+    shell: impl FnOnce() -> Result<Arc<Module>, CliError>,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    let Arguments { device, clock, out: folder, .. } = arguments;
+    let text = |module| -> Result<String, CliError> {
+        Ok(verilog::sources(module, &[])?.into_iter().map(|source| source.text).collect())
+    };
+    let file = |name: &str, bytes: Vec<u8>| (folder.join(name), bytes);
+    let (report, files) = if let Some(project) = arguments.project {
+        let files = project.files(design, &text(design)?, *clock);
+        write_all(&files.clone().map(|(name, text)| file(&name, text.into())))?;
+        let names = files.map(|(name, _)| name).join(", ");
+        return Ok(writeln!(out, "Wrote {names} to {}. Not run here; project.tcl says how.", folder.display())?);
+    } else if device.is_xilinx() {
+        let report = watched(1, |flow, watch| flow.synthesise(name, design, *device, watch), arguments, None)?;
+        let source = format!("{}.sv", design.name());
+        let files = vec![file("fpga.json", (json(&report)? + "\n").into()), file(&source, text(design)?.into())];
+        (report, files)
+    } else {
+        let shell = shell()?;
+        let seeds = arguments.placement..arguments.placement.saturating_add(arguments.seeds);
+        let target = |speed, seed| Target { device: *device, speed, clock_mhz: *clock, seed };
+        let targets: Vec<Target> =
+            arguments.speed.iter().flat_map(|speed| seeds.clone().map(|seed| target(*speed, seed))).collect();
+        let implement =
+            |flow: &Flow, watch: &mut dyn FnMut(Steps) -> bool| flow.implement(name, &shell, &targets, watch);
+        let nextpnr = Some(Nextpnr::find()?);
+        let Implementation { report, configuration, bitstream } =
+            watched(targets.len() + 2, implement, arguments, nextpnr)?;
+        let files = vec![
+            file("fpga.json", (json(&report)? + "\n").into()),
+            file("raypath_shell.sv", text(&shell)?.into()),
+            file("shell.config", configuration.into()),
+            file("shell.bit", bitstream),
+        ];
+        (report, files)
+    };
+    write_all(&files)?;
+    if arguments.json {
+        writeln!(out, "{}", json(&report)?)?;
+        return Ok(());
+    }
+    show(&report, out)?;
+    let names = files.iter().filter_map(|(path, _)| path.file_name()?.to_str()).collect::<Vec<_>>().join(", ");
+    writeln!(out, "\nWrote {names} to {}.", folder.display())?;
+    Ok(())
+}
+
+fn show(report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
+    writeln!(out, "raypath {}: {}\n", env!("CARGO_PKG_VERSION"), report.design)?;
+    writeln!(out, "{}\n", tables::stages(report))?;
+    if let Some(routed) = &report.routed {
+        writeln!(out, "{}\n", tables::path(routed))?;
+        tables::runs(routed).map_or(Ok(()), |runs| writeln!(out, "{runs}\n"))?;
+    }
+    writeln!(out, "{}", tables::summary(report))?;
+    if report.cells.multipliers == 0 {
+        writeln!(out, "Multipliers are gates; with --multiplier inferred they are those of the FPGA.")?;
+    }
+    Ok(())
+}
+
+/// Runs the flow, and shows how many steps are done.
+fn watched<T>(
+    steps: usize,
+    work: impl FnOnce(&Flow, &mut dyn FnMut(Steps) -> bool) -> Result<T, ToolError>,
+    arguments: &Arguments,
+    nextpnr: Option<Nextpnr>,
+) -> Result<T, CliError> {
+    let flow = Flow { yosys: Yosys::find(None)?, nextpnr, cache: arguments.cache.clone() };
     let mut reached = 0;
-    let mut progress = Progress::new("steps", 3);
-    let implemented = flow.implement(&name, shell, target, |steps| {
+    let mut progress = Progress::new("steps", steps);
+    let result = work(&flow, &mut |steps| {
         reached = steps.done as usize;
         progress.at(reached)
     });
     match progress.finish(reached) {
         Ok(()) => {}
-        Err(Stopped { .. }) if implemented.is_ok() => {}
+        Err(Stopped { .. }) if result.is_ok() => {}
         Err(stopped) => return Err(CliError::Stopped(format!("{stopped}; {RESUMES}"))),
     }
-    let Implementation { report, configuration, bitstream } = implemented?;
-    let mut text = String::new();
-    verilog::sources(&shell.top, &[])?.into_iter().for_each(|source| text += &source.text);
-    let file = |name: &str, bytes: Vec<u8>| (folder.join(name), bytes);
-    write_all(&[
-        file("raypath_shell.sv", text.into()),
-        file("fpga.json", (json(&report)? + "\n").into()),
-        file("shell.config", configuration.into()),
-        file("shell.bit", bitstream),
-    ])?;
-    if arguments.json {
-        writeln!(out, "{}", json(&report)?)?;
-        return Ok(());
-    }
-    writeln!(out, "raypath {}: {name}\n", env!("CARGO_PKG_VERSION"))?;
-    writeln!(out, "{}\n\n{}\n", tables::stages(&report), tables::path(&report))?;
-    writeln!(out, "{}", tables::summary(&report))?;
-    if report.cells.multipliers == 0 {
-        writeln!(out, "Multipliers are gates; with --multiplier inferred they are those of the FPGA.")?;
-    }
-    let files = ["raypath_shell.sv", "fpga.json", "shell.config", "shell.bit"].join(", ");
-    writeln!(out, "\nWrote {files} to {}.", folder.display())?;
-    Ok(())
+    Ok(result?)
 }
 
 /// Runs random jobs through a shell at the other end of a stream.
