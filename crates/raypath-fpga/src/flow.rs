@@ -1,11 +1,10 @@
 //! From a design to its cells, and to a bitstream.
 
 use crate::device::{Device, Target};
-use crate::netlist;
+use crate::netlist::Netlist;
 use crate::products;
 use crate::report::{Report, Run};
-use crate::shell::INSTANCE;
-use crate::timing::{self, Origin, Timing};
+use crate::timing::{self, Timing};
 use raypath_hdl::{Module, verilog};
 use raypath_tools::{Cache, Key, MAX_RESULT_BYTES, Nextpnr, ToolError, Yosys, read_within, temporary_folder, write};
 use raypath_work::pool::{self, Progress};
@@ -134,8 +133,8 @@ impl Flow {
         routed: Option<(Target, Timing, Vec<Run>)>,
     ) -> Report {
         let tools = [self.yosys.version.as_str(), self.nextpnr.as_ref().map_or("", |tool| tool.version.as_str())];
-        let Synthesised { module, stages, has_shell, .. } = synthesised;
-        Report::new(name, tools, device, &module.count(*has_shell), stages, routed)
+        let netlist = &synthesised.netlist;
+        Report::new(name, tools, device, &netlist.count(), &netlist.stages, routed)
     }
 
     /// The design after synthesis, from the cache if it is there.
@@ -149,10 +148,7 @@ impl Flow {
         let key = Key::new(key, &[&text, &script.commands, script.map.unwrap_or_default(), &self.yosys.version]);
         let run = || self.run_yosys(&text, &script, top.name(), stop);
         let Synthesis { netlist } = Cache::new(&self.cache).kept(&key, |_| true, run)?;
-        let module = netlist::Module::parse(&netlist, top.name())?;
-        let shell = top.instances().iter().find(|instance| instance.name == INSTANCE);
-        let stages = netlist::stages(shell.map_or(top, |shell| &shell.module));
-        Ok(Synthesised { key, text, netlist, module, stages, has_shell: shell.is_some() })
+        Ok(Synthesised { key, netlist: Netlist::parse(&netlist, top, &text)?, json: netlist })
     }
 
     /// The layout of a design, from the cache if it is there.
@@ -194,12 +190,9 @@ impl Flow {
 /// A design after synthesis.
 struct Synthesised {
     key: Key,
-    text: String,
-    netlist: String,
-    module: netlist::Module,
-    /// The stages in order, with their modules.
-    stages: Vec<(String, String)>,
-    has_shell: bool,
+    /// Yosys's JSON.
+    json: String,
+    netlist: Netlist,
 }
 
 /// Does `steps` in a thread, while `proceed` gets the number of those that are done.
@@ -226,11 +219,10 @@ fn lay_out(
     stop: &AtomicBool,
 ) -> Result<Layout, ToolError> {
     let folder = temporary_folder()?;
-    write(&folder.path().join(NETLIST), &synthesised.netlist)?;
+    write(&folder.path().join(NETLIST), &synthesised.json)?;
     write(&folder.path().join(PINS), CLOCK_PIN)?;
     nextpnr.run(folder.path(), arguments, name, stop)?;
-    let Synthesised { text, module, stages, .. } = synthesised;
-    let timing = timing::parse(&text_of(folder.path(), REPORT)?, &Origin { module, text, stages })?;
+    let timing = timing::parse(&text_of(folder.path(), REPORT)?, &synthesised.netlist)?;
     Ok(Layout { timing, configuration: text_of(folder.path(), CONFIGURATION)? })
 }
 

@@ -3,6 +3,7 @@
 use crate::flow::DESIGN;
 use crate::report::Cells;
 use crate::shell::INSTANCE;
+use raypath_hdl::Module;
 use raypath_tools::ToolError;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -10,14 +11,15 @@ use std::collections::BTreeMap;
 /// The part of Yosys's JSON that is read here.
 #[derive(Deserialize)]
 struct Design {
-    modules: BTreeMap<String, Module>,
+    modules: BTreeMap<String, RawModule>,
 }
 
-/// The cells of a synthesised module.
 #[derive(Deserialize)]
-pub(crate) struct Module {
+struct RawModule {
     #[serde(default)]
     cells: BTreeMap<String, Cell>,
+    #[serde(default)]
+    netnames: BTreeMap<String, Net>,
 }
 
 /// A cell.
@@ -27,6 +29,8 @@ pub(crate) struct Cell {
     pub kind: String,
     #[serde(default)]
     attributes: Attributes,
+    #[serde(default)]
+    connections: BTreeMap<String, Vec<Bit>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -35,26 +39,68 @@ struct Attributes {
     src: String,
 }
 
-/// What is around the datapath, in reports.
-pub(crate) const AROUND: &str = "shell";
+#[derive(Deserialize)]
+struct Net {
+    bits: Vec<Bit>,
+}
 
-impl Module {
-    /// The module `name` in Yosys's JSON.
+/// A bit of a net, by its number, or a constant.
+#[derive(Deserialize, PartialEq)]
+#[serde(untagged)]
+enum Bit {
+    Net(u64),
+    Constant(String),
+}
+
+/// A synthesised design.
+pub(crate) struct Netlist {
+    cells: BTreeMap<String, Cell>,
+    nets: BTreeMap<String, Net>,
+    /// The lines of the text, from 1, at which modules begin.
+    heads: Vec<(usize, String)>,
+    /// The stages in order, with their modules.
+    pub stages: Vec<(String, String)>,
+    has_shell: bool,
+}
+
+/// What is around the datapath, in reports.
+const AROUND: &str = "shell";
+
+/// The part of a traversal unit whose stages are parts too.
+const DATAPATH: &str = "datapath";
+
+/// The inputs of flip-flops in names of cells, of an ECP5 and of Xilinx's.
+const INPUTS: [&str; 9] = ["DI", "CE", "LSR", "M", "D", "R", "S", "CLR", "PRE"];
+
+impl Netlist {
+    /// The design in Yosys's JSON. `text` is what was synthesised.
     ///
     /// # Errors
-    /// The text is not Yosys's JSON, or has no such module.
-    pub(crate) fn parse(json: &str, name: &str) -> Result<Self, ToolError> {
+    /// Not Yosys's JSON, or without the module `top`.
+    pub(crate) fn parse(json: &str, top: &Module, text: &str) -> Result<Self, ToolError> {
         let unexpected = |found: String| ToolError::unexpected("yosys", found, "its JSON with the top module");
         let mut design: Design = serde_json::from_str(json).map_err(|problem| unexpected(problem.to_string()))?;
-        design.modules.remove(name).ok_or_else(|| unexpected(format!("no module {name}")))
+        let module = design.modules.remove(top.name());
+        let RawModule { cells, netnames } = module.ok_or_else(|| unexpected(format!("no module {}", top.name())))?;
+        let shell = top.instances().iter().find(|instance| instance.name == INSTANCE);
+        let head = |(index, line): (usize, &str)| {
+            let name = line.strip_prefix("module ")?.split(|c: char| !c.is_alphanumeric() && c != '_').next()?;
+            Some((index + 1, name.to_string()))
+        };
+        Ok(Self {
+            cells,
+            nets: netnames,
+            heads: text.lines().enumerate().filter_map(head).collect(),
+            stages: stages(shell.map_or(top, |shell| &shell.module)),
+            has_shell: shell.is_some(),
+        })
     }
 
-    /// The numbers of its cells by stage. Without a shell, the module is the design itself.
-    pub(crate) fn count(&self, has_shell: bool) -> BTreeMap<String, Cells> {
+    /// The numbers of cells by stage.
+    pub(crate) fn count(&self) -> BTreeMap<String, Cells> {
         let mut stages: BTreeMap<String, Cells> = BTreeMap::new();
         for (name, cell) in &self.cells {
-            let stage = if has_shell { stage(name) } else { stage(&format!("{INSTANCE}.{name}")) };
-            stages.entry(stage).or_default().count(&cell.kind);
+            stages.entry(self.stage(name)).or_default().count(&cell.kind);
         }
         stages
     }
@@ -63,38 +109,71 @@ impl Module {
     pub(crate) fn cell(&self, name: &str) -> Option<&Cell> {
         self.cells.get(name).or_else(|| self.cells.get(name.rsplit_once('$')?.0))
     }
-}
 
-impl Cell {
-    /// The line of the design's text that it was made of, from 1. Lookup tables have none: they are made of many.
-    pub(crate) fn line(&self) -> Option<usize> {
-        let place = self.attributes.src.split('|').find_map(|place| place.strip_prefix(DESIGN)?.strip_prefix(':'))?;
-        place.split('.').next()?.parse().ok()
+    /// The module and the line of the text that a cell was made of. Lookup tables have none: they are made of many.
+    pub(crate) fn place(&self, cell: &Cell) -> Option<(&str, usize)> {
+        let mut places = cell.attributes.src.split('|');
+        let line = places.find_map(|place| place.strip_prefix(DESIGN)?.strip_prefix(':')?.split('.').next());
+        let line = line?.parse().ok()?;
+        let above = self.heads.partition_point(|(head, _)| *head <= line).checked_sub(1)?;
+        Some((&self.heads[above].1, line))
     }
-}
 
-/// The part of a traversal unit whose stages are parts too.
-const DATAPATH: &str = "datapath";
+    /// The number of pins that a net, by nextpnr's name, drives.
+    pub(crate) fn readers(&self, net: &str) -> Option<usize> {
+        let bits = |name: &str| Some(&self.nets.get(name)?.bits);
+        let indexed = || {
+            let (name, index) = net.strip_suffix(']')?.rsplit_once('[')?;
+            bits(name)?.get(index.parse::<usize>().ok()?)
+        };
+        let bit = bits(net).and_then(|bits| bits.first()).or_else(indexed)?;
+        let pins = self.cells.values().flat_map(|cell| cell.connections.values().flatten());
+        pins.filter(|pin| *pin == bit).count().checked_sub(1)
+    }
 
-/// The stage that a cell or a net belongs to, by its name. Synthesis names cells by the nets that they drive, and a net
-/// by the deepest instance that has it: `u_raypath.u_stage_3.num_4_q_TRELLIS_FF_Q`.
-pub(crate) fn stage(name: &str) -> String {
-    let Some(inside) = name.strip_prefix(INSTANCE).and_then(|rest| rest.strip_prefix('.')) else {
-        return AROUND.to_string();
-    };
-    let instance =
-        |path: &'_ str| path.strip_prefix("u_")?.split_once('.').map(|(name, rest)| [name, rest].map(str::to_string));
-    match instance(inside) {
-        None => "between stages".to_string(),
-        Some([part, rest]) if part == DATAPATH => {
-            instance(&rest).map_or(part.clone(), |[stage, _]| in_datapath(&stage))
+    /// The stage that a cell belongs to: that of the text that it was made of; or that of the register that it leads
+    /// to, if its name says so; or that in its name. A register may have the name of the next stage's input.
+    pub(crate) fn stage(&self, name: &str) -> String {
+        let of_text = |name: &str| {
+            let (module, _) = self.place(self.cell(name)?)?;
+            let mut stages = self.stages.iter().filter(|(_, other)| other == module);
+            stages.next().filter(|_| stages.next().is_none()).map(|(stage, _)| stage.clone())
+        };
+        let register = || {
+            let ends = name.match_indices('_').map(|(end, _)| end);
+            let leads_in = |end: &usize| {
+                let port = name[end + 1..].split('_').next();
+                port.is_some_and(|port| INPUTS.contains(&port)) && self.cells.contains_key(&name[..*end])
+            };
+            ends.filter(leads_in).find_map(|end| of_text(&name[..end]))
+        };
+        of_text(name).or_else(register).unwrap_or_else(|| self.stage_in_name(name))
+    }
+
+    /// Synthesis names cells by the nets that they drive, and a net by the deepest instance that has it:
+    /// `u_raypath.u_stage_3.num_4_q_TRELLIS_FF_Q`.
+    fn stage_in_name(&self, name: &str) -> String {
+        let inside = match self.has_shell {
+            true => name.strip_prefix(INSTANCE).and_then(|rest| rest.strip_prefix('.')),
+            false => Some(name),
+        };
+        let instance = |path: &str| {
+            let (name, rest) = path.strip_prefix("u_")?.split_once('.')?;
+            Some((name.to_string(), rest.to_string()))
+        };
+        match inside.map(instance) {
+            None => AROUND.to_string(),
+            Some(None) => "between stages".to_string(),
+            Some(Some((part, rest))) if part == DATAPATH => {
+                instance(&rest).map_or(part, |(stage, _)| in_datapath(&stage))
+            }
+            Some(Some((stage, _))) => stage,
         }
-        Some([stage, _]) => stage,
     }
 }
 
 /// The stages of a design, and of the datapath in a traversal unit, in order, each with its module.
-pub(crate) fn stages(design: &raypath_hdl::Module) -> Vec<(String, String)> {
+fn stages(design: &Module) -> Vec<(String, String)> {
     let mut stages = Vec::new();
     for instance in design.instances() {
         let (name, module) = (instance.stem(), &instance.module);
@@ -133,31 +212,50 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raypath_hdl::Builder;
+
+    /// A netlist of a design without stages, named `top`, with these cells.
+    fn netlist(top: &str, cells: &str) -> Netlist {
+        let m = Builder::new(top);
+        if top.ends_with("shell") {
+            let inner = Builder::new("raypath");
+            inner.output("a_o", inner.input("a_i", 1));
+            m.instance(INSTANCE, &inner.finish().expect("a module"), &[("a_i", m.input("a_i", 1))]);
+        }
+        let json = format!(
+            r#"{{"creator": "Yosys", "modules": {{"{top}": {{"cells": {{{cells}}},
+            "netnames": {{"a": {{"bits": [2]}}, "b": {{"bits": ["0", 3]}}}}}}, "LUT4": {{}}}}}}"#
+        );
+        let top = m.finish().expect("a module");
+        assert!(Netlist::parse("{", &top, "").is_err() && Netlist::parse(r#"{"modules": {}}"#, &top, "").is_err());
+        Netlist::parse(&json, &top, "").expect("a netlist")
+    }
 
     #[test]
     fn cells_belong_to_the_stage_in_their_names() {
-        let json = r#"{"creator": "Yosys", "modules": {"raypath_shell": {"ports": {}, "cells": {
-            "u_raypath.u_stage_3_1.u_mul_0.whole_MULT18X18D_P0": {"type": "MULT18X18D", "connections": {"A0": [2]}},
-            "u_raypath.u_stage_3_1.u_skid.data_q_TRELLIS_FF_Q": {"type": "TRELLIS_FF"},
-            "u_raypath.u_stage_3_1.x_LUT4_Z": {"type": "LUT4"},
+        let netlist = netlist(
+            "raypath_shell",
+            r#""u_raypath.u_stage_3_1.u_mul_0.whole_MULT18X18D_P0": {"type": "MULT18X18D", "connections": {"A0": [2]}},
+            "u_raypath.u_stage_3_1.u_skid.data_q_TRELLIS_FF_Q": {"type": "TRELLIS_FF", "connections": {"Q": [3]}},
+            "u_raypath.u_stage_3_1.x_LUT4_Z": {"type": "LUT4", "connections": {"A": [3], "B": [3], "C": ["0"], "Z": [2]}},
             "u_raypath.ready_LUT4_Z": {"type": "LUT4"},
             "count_q_CCU2C_S0": {"type": "CCU2C"},
-            "count_q_PFUMX_Z": {"type": "PFUMX"}}},
-            "LUT4": {}}}"#;
-        let module = Module::parse(json, "raypath_shell").expect("cells");
-        let stages = module.count(true);
+            "count_q_PFUMX_Z": {"type": "PFUMX"}"#,
+        );
+        let stages = netlist.count();
         let of = |name: &str| stages.get(name).copied().unwrap_or_default();
         let found: Vec<&str> = stages.keys().map(String::as_str).collect();
         assert_eq!(found, ["between stages", "shell", "stage_3_1"]);
         assert_eq!(of("stage_3_1"), Cells { luts: 1, multipliers: 1, flip_flops: 1, ..Cells::default() });
         assert_eq!((of("between stages").luts, of("shell").carry_cells), (1, 1));
-        assert!(Module::parse(json, "raypath").is_err() && Module::parse("{", "raypath").is_err());
+        // The multiplier reads the lookup table, which reads the flip-flop twice.
+        assert_eq!(["a", "b[1]", "b[2]", "c"].map(|net| netlist.readers(net)), [Some(1), Some(2), None, None]);
     }
 
     #[test]
     fn cells_of_xilinx_without_a_shell() {
-        let cells: String = [
-            ("u_walk.a_q", "FDRE"),
+        let cells = [
+            ("u_walk.a_q_FDRE_Q", "FDRE"),
             ("u_datapath.u_stage_2.b", "LUT6"),
             ("u_datapath.u_stage_2.m", "DSP48E1"),
             ("u_datapath.ready", "INV"),
@@ -168,10 +266,8 @@ mod tests {
             ("u_rays.sum", "CARRY8"),
             ("u_rays.mux", "MUXF7"),
         ]
-        .map(|(name, kind)| format!(r#""{name}": {{"type": "{kind}"}}"#))
-        .join(",");
-        let json = format!(r#"{{"modules": {{"raypath_unit": {{"cells": {{{cells}}}}}}}}}"#);
-        let stages = Module::parse(&json, "raypath_unit").expect("cells").count(false);
+        .map(|(name, kind)| format!(r#""{name}": {{"type": "{kind}"}}"#));
+        let stages = netlist("raypath_unit", &cells.join(",")).count();
         let cells = Cells::default();
         let rays = Cells { block_rams: 3, distributed_rams: 1, shift_registers: 1, carry_cells: 1, ..cells };
         let expected = [

@@ -196,3 +196,21 @@ impl Cells {
         self.shift_registers += other.shift_registers;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn best_and_median_by_grade() {
+        let mut routed: Routed = serde_json::from_value(serde_json::json!({
+            "place_and_route": "", "speed": 6, "aim_mhz": 70.0, "seed": 2, "used": {}, "clock_mhz": 50.0,
+            "period_ns": 20.0, "logic_ns": 0.0, "routing_ns": 0.0, "levels": 0, "path": [], "runs": []
+        }))
+        .expect("a report");
+        assert_eq!(routed.grades(), []);
+        let runs = [(6, 1, 40.0), (6, 2, 50.0), (6, 3, 42.0), (8, 1, 60.0), (8, 2, 70.0)];
+        routed.runs = runs.map(|(speed, seed, clock_mhz)| Run { speed, seed, clock_mhz }).into();
+        assert_eq!(routed.grades(), [(6, 50.0, 42.0), (8, 70.0, 65.0)]);
+    }
+}

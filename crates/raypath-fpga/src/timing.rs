@@ -1,6 +1,6 @@
 //! nextpnr's report: the use of the device, the clock, the slowest path cell by cell, and the slowest path to each stage.
 
-use crate::netlist::{Module, stage};
+use crate::netlist::Netlist;
 use crate::report::{Step, Use};
 use crate::shell::INSTANCE;
 use raypath_tools::ToolError;
@@ -55,7 +55,6 @@ struct RawPin {
 
 #[derive(Deserialize)]
 struct RawNet {
-    net: String,
     event: String,
     endpoints: Vec<RawEnd>,
 }
@@ -76,20 +75,11 @@ struct RawClock {
 /// What begins and ends at a clock edge, unlike pins.
 const CLOCKED: &str = "posedge ";
 
-/// What cells were made of.
-pub(crate) struct Origin<'a> {
-    pub module: &'a Module,
-    /// The text that was synthesised.
-    pub text: &'a str,
-    /// The stages with their modules.
-    pub stages: &'a [(String, String)],
-}
-
 /// Parses nextpnr's report.
 ///
 /// # Errors
 /// Another form, or no path from a clock edge to the next.
-pub(crate) fn parse(json: &str, origin: &Origin<'_>) -> Result<Timing, ToolError> {
+pub(crate) fn parse(json: &str, netlist: &Netlist) -> Result<Timing, ToolError> {
     let unexpected = |found: String| ToolError::unexpected("nextpnr", found, "a report with a clock and its path");
     let raw: Raw = serde_json::from_str(json).map_err(|problem| unexpected(problem.to_string()))?;
     let clock = raw.fmax.values().map(|clock| clock.achieved).reduce(f64::min);
@@ -98,17 +88,13 @@ pub(crate) fn parse(json: &str, origin: &Origin<'_>) -> Result<Timing, ToolError
     let mut slowest: BTreeMap<String, f64> = BTreeMap::new();
     for net in raw.detailed_net_timings.iter().filter(|net| net.event.starts_with(CLOCKED)) {
         for end in net.endpoints.iter().filter(|end| end.event.starts_with(CLOCKED)) {
-            let most = slowest.entry(stage(&end.cell)).or_default();
+            let most = slowest.entry(netlist.stage(&end.cell)).or_default();
             *most = most.max(end.delay[1]);
         }
     }
     let used = raw.utilization.into_iter().filter(|(kind, _)| SHOWN.contains(&kind.as_str())).collect();
     let sum = |wires| path.path.iter().filter(|step| step.net.is_some() == wires).map(|step| step.delay).sum();
-    let readers = |net: &str| {
-        let nets = raw.detailed_net_timings.iter().filter(|other| other.net == net);
-        nets.map(|net| net.endpoints.len()).max()
-    };
-    let (path, levels) = steps(&path.path, origin, readers);
+    let (path, levels) = steps(&path.path, netlist);
     Ok(Timing { clock_mhz, slowest, path, logic_ns: sum(false), routing_ns: sum(true), levels, used })
 }
 
@@ -116,7 +102,7 @@ pub(crate) fn parse(json: &str, origin: &Origin<'_>) -> Result<Timing, ToolError
 const SHOWN: [&str; 6] = ["TRELLIS_COMB", "TRELLIS_FF", "TRELLIS_RAMW", "MULT18X18D", "DP16KD", "TRELLIS_IO"];
 
 /// The cells and wires on a path, and the number of cells between the registers. A carry chain is one cell.
-fn steps(path: &[RawStep], origin: &Origin<'_>, readers: impl Fn(&str) -> Option<usize>) -> (Vec<Step>, usize) {
+fn steps(path: &[RawStep], netlist: &Netlist) -> (Vec<Step>, usize) {
     let mut steps: Vec<Step> = Vec::new();
     let (mut at_ns, mut levels, mut carries) = (0.0, 0, 0);
     // The stage is that of the cell that drives a wire.
@@ -128,11 +114,11 @@ fn steps(path: &[RawStep], origin: &Origin<'_>, readers: impl Fn(&str) -> Option
             if to.port == "FCI" {
                 continue;
             }
-            let count = readers(net).map_or(String::new(), |count| format!(" to {count}"));
+            let count = netlist.readers(net).map_or(String::new(), |count| format!(" to {count}"));
             (step.what, step.stage) = (format!("wire{count}"), stage.clone());
             step.signal = if plain(net) == net { inside(net) } else { String::new() };
         } else {
-            let cell = origin.module.cell(&to.cell);
+            let cell = netlist.cell(&to.cell);
             let name = match (cell.map_or("cell", |cell| &cell.kind), kind.as_str()) {
                 // The multiplexer that is in the slice of a lookup table.
                 (_, "logic") if to.port.starts_with("OFX") => "PFUMX".to_string(),
@@ -145,15 +131,16 @@ fn steps(path: &[RawStep], origin: &Origin<'_>, readers: impl Fn(&str) -> Option
                 continue;
             }
             levels += usize::from(kind == "logic");
-            let place = cell.and_then(|cell| Some((module_at(origin.text, cell.line()?)?, cell.line()?)));
-            let mut stages = origin.stages.iter().filter(|(_, module)| place.is_some_and(|(name, _)| name == module));
-            stage = match (stages.next(), stages.next()) {
-                (Some((stage, _)), None) => stage.clone(),
-                _ => self::stage(&to.cell),
-            };
+            let place = cell.and_then(|cell| netlist.place(cell));
+            stage = netlist.stage(&to.cell);
             step.signal = match place {
                 Some(_) if !drives_its_name(&to.cell) => String::new(),
                 Some(_) => inside(plain(&to.cell)),
+                // The state of a machine that Yosys has encoded anew has neither a line nor a name.
+                None if kind == "clk-to-q" && !drives_its_name(&to.cell) => {
+                    stage = String::new();
+                    "a state".to_string()
+                }
                 None => format!("near {}", inside(plain(&to.cell))),
             };
             step.text = place.map_or(String::new(), |(module, line)| format!("{module}:{line}"));
@@ -162,12 +149,6 @@ fn steps(path: &[RawStep], origin: &Origin<'_>, readers: impl Fn(&str) -> Option
         steps.push(step);
     }
     (steps, levels)
-}
-
-/// The module that a line of a text is in.
-fn module_at(text: &str, line: usize) -> Option<&str> {
-    let heads = text.lines().take(line).filter_map(|line| line.strip_prefix("module "));
-    heads.last()?.split(|c: char| !c.is_alphanumeric() && c != '_').next()
 }
 
 /// A name without that of the design's instance in the shell.
@@ -193,19 +174,44 @@ fn plain(name: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raypath_hdl::Builder;
 
     /// A report of nextpnr 0.11.1 on two registered products of 18 bits, shortened to one net of each kind.
     const RECORDED: &str = include_str!("../tests/data/nextpnr-0.11.1-report.json");
 
+    /// A report on 12 bits: a state selects operands of a sum. From nextpnr 0.11.1 and pyosys 0.70, shortened to the
+    /// slowest path and its cells.
+    const PATH: &str = include_str!("../tests/data/nextpnr-0.11.1-path.json");
+
+    /// A netlist with this JSON of modules. The text has the stages in these lines.
+    fn netlist(json: &str) -> Netlist {
+        let stage = |name: &str| {
+            let m = Builder::new(name);
+            m.output("a_o", m.input("a_i", 1));
+            m.finish().expect("a module")
+        };
+        let m = Builder::new("raypath");
+        let a = m.input("a_i", 1);
+        let first = m.instance("u_stage_1", &stage("raypath_stage_1"), &[("a_i", a)])[0];
+        m.output("a_o", m.instance("u_stage_2", &stage("raypath_stage_2"), &[("a_i", first)])[0]);
+        let datapath = m.finish().expect("a module");
+        let m = Builder::new("raypath_shell");
+        m.output("a_o", m.instance(INSTANCE, &datapath, &[("a_i", m.input("a_i", 1))])[0]);
+        let text = "module raypath_stage_1 (\n".to_string() + &"\n".repeat(12) + "module raypath_stage_2 (\n";
+        Netlist::parse(json, &m.finish().expect("a module"), &text).expect("a netlist")
+    }
+
+    const EMPTY: &str = r#"{"modules": {"raypath_shell": {}}}"#;
+
     #[test]
     fn recorded_report() {
-        let timing = parse(RECORDED).expect("a report");
+        let timing = parse(RECORDED, &netlist(EMPTY)).expect("a report");
         assert!((timing.clock_mhz - 142.816).abs() < 0.001, "{}", timing.clock_mhz);
-        let signals: Vec<&str> = timing.path.iter().map(|step| step.signal.as_str()).collect();
-        assert_eq!(signals, ["u_stage_1.a_q", "u_stage_1.a_q[14]", "u_stage_1.p_q"]);
-        // 0.525 out of the register, 1.291 on a wire, 3.927 in the multiplier, 1.259 on a wire.
-        let ns = timing.path.last().expect("a step").ns;
-        assert!((ns - 7.002).abs() < 0.001 && (1000.0 / ns - timing.clock_mhz).abs() < 0.01, "{ns}");
+        // Out of the register, on a wire, in the multiplier, on a wire, into the register.
+        let ns: Vec<f64> = timing.path.iter().map(|step| (step.ns * 1000.0).round()).collect();
+        assert_eq!(ns, [525.0, 1291.0, 3927.0, 1259.0, 0.0]);
+        let at = timing.path.last().expect("a step").at_ns;
+        assert!((at - 7.002).abs() < 0.001 && (1000.0 / at - timing.clock_mhz).abs() < 0.01, "{at}");
         assert!((timing.routing_ns - 2.55).abs() < 0.001, "{}", timing.routing_ns);
         assert_eq!(timing.used["MULT18X18D"], Use { used: 2, available: 28 });
         assert_eq!(timing.used.len(), SHOWN.len());
@@ -214,10 +220,34 @@ mod tests {
         assert!((timing.slowest["shell"] - 7.002).abs() < 0.001, "{:?}", timing.slowest);
     }
 
+    /// Yosys names the state by its reset, and the sum by the input of stage 2. The path leads through stage 1 only.
+    #[test]
+    fn recorded_path() {
+        let json: serde_json::Value = serde_json::from_str(PATH).expect("JSON");
+        let timing = parse(&json["report"].to_string(), &netlist(&json["netlist"].to_string())).expect("a report");
+        let rows = timing.path.iter().map(|step| {
+            let Step { what, stage, signal, text, ns, .. } = step;
+            format!("{what}|{stage}|{signal}|{text}|{ns:.2}")
+        });
+        let expected = [
+            "TRELLIS_FF clk-to-q||a state||0.52",
+            "wire||||1.99",
+            "LUT4|stage_1|near sum||0.24",
+            "wire|stage_1|||0.82",
+            "CCU2C, 10 bits|stage_1||raypath_stage_1:10|1.17",
+            "wire|stage_1|||0.13",
+            "TRELLIS_FF setup|stage_1|sum|raypath_stage_1:10|0.00",
+        ];
+        assert_eq!(rows.collect::<Vec<_>>(), expected);
+        // The last lines of nextpnr's own report: "1.93 ns logic, 2.94 ns routing", "205.30 MHz".
+        assert!((timing.logic_ns - 1.93).abs() < 0.005 && (timing.routing_ns - 2.94).abs() < 0.005, "{timing:?}");
+        assert!((timing.clock_mhz - 205.30).abs() < 0.005 && timing.levels == 2, "{timing:?}");
+    }
+
     #[test]
     fn another_form_is_an_error() {
         for text in ["", "{}", r#"{"critical_paths": [], "fmax": {}, "utilization": {}}"#] {
-            assert!(parse(text).is_err(), "{text}");
+            assert!(parse(text, &netlist(EMPTY)).is_err(), "{text}");
         }
     }
 }
