@@ -1,9 +1,10 @@
 //! From a design to its cells, and to a bitstream.
 
 use crate::device::{Device, Target};
-use crate::netlist::Netlist;
+use crate::netlist::{self, Netlist};
 use crate::products;
 use crate::report::{Report, Run};
+use crate::shell::INSTANCE;
 use crate::timing::{self, Timing};
 use raypath_hdl::{Module, verilog};
 use raypath_tools::{Cache, Key, MAX_RESULT_BYTES, Nextpnr, ToolError, Yosys, read_within, temporary_folder, write};
@@ -18,8 +19,6 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 pub struct Flow {
     /// The synthesiser.
     pub yosys: Yosys,
-    /// The program that places and routes; synthesis alone needs none.
-    pub nextpnr: Option<Nextpnr>,
     /// The folder of cached results.
     pub cache: PathBuf,
 }
@@ -29,17 +28,10 @@ pub struct Flow {
 pub struct Implementation {
     /// What it takes, and how fast it is.
     pub report: Report,
-    /// nextpnr's textual configuration of the device.
+    /// nextpnr's textual configuration of the device; empty for Xilinx's.
     pub configuration: String,
-    /// The bitstream.
+    /// The bitstream; empty for Xilinx's.
     pub bitstream: Vec<u8>,
-}
-
-/// A synthesised design.
-#[derive(Serialize, Deserialize)]
-struct Synthesis {
-    /// Yosys's JSON.
-    netlist: String,
 }
 
 /// A placed and routed design.
@@ -64,77 +56,69 @@ const BITSTREAM: &str = "shell.bit";
 const CLOCK_PIN: &str = "LOCATE COMP \"clk_i\" SITE \"G2\";\nIOBUF PORT \"clk_i\" IO_TYPE=LVCMOS33;\n";
 
 impl Flow {
-    /// Synthesises a design with few pins, such as a shell, places and routes it for each target, and makes the
-    /// bitstream of the fastest of those with the first target's speed grade. The targets have one device, an ECP5.
-    /// `name` names the design in the report.
+    /// Synthesises a design. For an ECP5, for which it has few pins, such as a shell, also places and routes it for
+    /// each target, and makes the bitstream of the fastest of those with the first target's speed grade. The targets
+    /// have one device. `name` names the design in the report.
     ///
     /// Synthesis and layouts go into the cache and are not computed again, so that a stopped run resumes with the step
     /// that it was in. `proceed` gets the number of finished steps several times a second; if it returns false, the
     /// program that runs is ended.
     ///
     /// # Errors
-    /// No target, or one without placement; a tool is missing or fails, for example because the design does not fit the
-    /// device; a file cannot be written; [`ToolError::Stopped`].
+    /// No target; a tool is missing or fails, for example because the design does not fit the device; a file cannot be
+    /// written; [`ToolError::Stopped`].
     pub fn implement(
         &self,
         name: &str,
         top: &Arc<Module>,
         targets: &[Target],
-        proceed: impl FnMut(Progress) -> bool,
+        mut proceed: impl FnMut(Progress) -> bool,
     ) -> Result<Implementation, ToolError> {
-        let steps = |done: &AtomicU64, stop: &AtomicBool| {
-            let none = || ToolError::unexpected("nextpnr", "no target", "at least one, an ECP5");
-            let first = targets.first().filter(|first| !first.device.is_xilinx()).ok_or_else(none)?;
-            let synthesised = self.synthesised(top, first.device, stop)?;
-            done.fetch_add(1, Ordering::Relaxed);
-            let mut runs = Vec::new();
-            let mut best: Option<(Target, Layout)> = None;
-            for target in targets {
-                let layout = self.layout(name, &synthesised, *target, stop)?;
-                done.fetch_add(1, Ordering::Relaxed);
-                let clock_mhz = layout.timing.clock_mhz;
-                runs.push(Run { speed: target.speed, seed: target.seed, clock_mhz });
-                let is_best = best.as_ref().is_none_or(|(_, best)| clock_mhz > best.timing.clock_mhz);
-                if target.speed == first.speed && is_best {
-                    best = Some((*target, layout));
-                }
-            }
-            let (target, Layout { timing, configuration }) = best.ok_or_else(none)?;
-            let bitstream = self.pack(&configuration, stop)?;
-            let report = self.report(name, &synthesised, target.device, Some((target, timing, runs)));
-            Ok(Implementation { report, configuration, bitstream })
+        let (done, total) = (AtomicU64::new(0), targets.len() as u64 + 2);
+        let mut watch = |_: Progress| proceed(Progress { done: done.load(Ordering::Relaxed), total });
+        let run = |(): &(), stop: &AtomicBool| match self.steps(name, top, targets, &done, stop) {
+            Err(ToolError::Stopped) => Ok(None),
+            other => other.map(Some),
         };
-        stoppable(targets.len() as u64 + 2, proceed, steps)
+        let mut finished = pool::map(&[()], 1, &mut watch, run)?;
+        finished.pop().flatten().ok_or(ToolError::Stopped)
     }
 
-    /// Synthesises a design and counts its cells. `name`, the cache and `proceed` are as for [`Self::implement`].
-    ///
-    /// # Errors
-    /// Yosys is missing or fails; a file cannot be written; [`ToolError::Stopped`].
-    pub fn synthesise(
+    fn steps(
         &self,
         name: &str,
         top: &Arc<Module>,
-        device: Device,
-        proceed: impl FnMut(Progress) -> bool,
-    ) -> Result<Report, ToolError> {
-        let steps = |_: &AtomicU64, stop: &AtomicBool| {
-            let synthesised = self.synthesised(top, device, stop)?;
-            Ok(self.report(name, &synthesised, device, None))
+        targets: &[Target],
+        done: &AtomicU64,
+        stop: &AtomicBool,
+    ) -> Result<Implementation, ToolError> {
+        let none = || ToolError::unexpected("nextpnr", "no target", "at least one");
+        let Target { device, speed, .. } = *targets.first().ok_or_else(none)?;
+        let nextpnr = (!device.is_xilinx()).then(Nextpnr::find).transpose()?;
+        let synthesised = self.synthesised(top, device, stop)?;
+        let report = |place_and_route: &str, routed| {
+            Report::new(name, [&self.yosys.version, place_and_route], device, &synthesised.netlist, routed)
         };
-        stoppable(1, proceed, steps)
-    }
-
-    fn report(
-        &self,
-        name: &str,
-        synthesised: &Synthesised,
-        device: Device,
-        routed: Option<(Target, Timing, Vec<Run>)>,
-    ) -> Report {
-        let tools = [self.yosys.version.as_str(), self.nextpnr.as_ref().map_or("", |tool| tool.version.as_str())];
-        let netlist = &synthesised.netlist;
-        Report::new(name, tools, device, &netlist.count(), &netlist.stages, routed)
+        done.fetch_add(1, Ordering::Relaxed);
+        let Some(nextpnr) = nextpnr else {
+            let report = report("", None);
+            return Ok(Implementation { report, configuration: String::new(), bitstream: Vec::new() });
+        };
+        let mut runs = Vec::new();
+        let mut best: Option<(Target, Layout)> = None;
+        for target in targets {
+            let layout = self.layout(&nextpnr, name, &synthesised, *target, stop)?;
+            done.fetch_add(1, Ordering::Relaxed);
+            let clock_mhz = layout.timing.clock_mhz;
+            runs.push(Run { speed: target.speed, seed: target.seed, clock_mhz });
+            let is_best = best.as_ref().is_none_or(|(_, best)| clock_mhz > best.timing.clock_mhz);
+            if target.speed == speed && is_best {
+                best = Some((*target, layout));
+            }
+        }
+        let (target, Layout { timing, configuration }) = best.ok_or_else(none)?;
+        let bitstream = pack(&nextpnr, &configuration, stop)?;
+        Ok(Implementation { report: report(&nextpnr.version, Some((target, timing, runs))), configuration, bitstream })
     }
 
     /// The design after synthesis, from the cache if it is there.
@@ -147,27 +131,36 @@ impl Flow {
         let key = if device.is_xilinx() { "xilinx-synthesis" } else { "ecp5-synthesis" };
         let key = Key::new(key, &[&text, &script.commands, script.map.unwrap_or_default(), &self.yosys.version]);
         let run = || self.run_yosys(&text, &script, top.name(), stop);
-        let Synthesis { netlist } = Cache::new(&self.cache).kept(&key, |_| true, run)?;
-        Ok(Synthesised { key, netlist: Netlist::parse(&netlist, top, &text)?, json: netlist })
+        let json: String = Cache::new(&self.cache).kept(&key, |_| true, run)?;
+        let shell = top.instances().iter().find(|instance| instance.name == INSTANCE);
+        let stages = netlist::stages(shell.map_or(top, |shell| &shell.module));
+        let netlist = Netlist::parse(&json, top.name(), &text, stages, shell.is_some())?;
+        Ok(Synthesised { key, json, netlist })
     }
 
     /// The layout of a design, from the cache if it is there.
     fn layout(
         &self,
+        nextpnr: &Nextpnr,
         name: &str,
         synthesised: &Synthesised,
         target: Target,
         stop: &AtomicBool,
     ) -> Result<Layout, ToolError> {
-        let missing = || ToolError::unexpected("nextpnr", "no program", "Flow::nextpnr");
-        let nextpnr = self.nextpnr.as_ref().ok_or_else(missing)?;
         let arguments = arguments(target);
         let parts = [synthesised.key.as_str(), &arguments.join(" "), CLOCK_PIN, &nextpnr.version];
-        let run = || lay_out(nextpnr, synthesised, &arguments, name, stop);
+        let run = || {
+            let folder = temporary_folder()?;
+            write(&folder.path().join(NETLIST), &synthesised.json)?;
+            write(&folder.path().join(PINS), CLOCK_PIN)?;
+            nextpnr.run(folder.path(), &arguments, name, stop)?;
+            let timing = timing::parse(&text_of(folder.path(), REPORT)?, &synthesised.netlist)?;
+            Ok(Layout { timing, configuration: text_of(folder.path(), CONFIGURATION)? })
+        };
         Cache::new(&self.cache).kept(&Key::new("ecp5-layout", &parts), |_| true, run)
     }
 
-    fn run_yosys(&self, text: &str, script: &Script, top: &str, stop: &AtomicBool) -> Result<Synthesis, ToolError> {
+    fn run_yosys(&self, text: &str, script: &Script, top: &str, stop: &AtomicBool) -> Result<String, ToolError> {
         let folder = temporary_folder()?;
         write(&folder.path().join(DESIGN), text)?;
         write(&folder.path().join(SCRIPT), &script.commands)?;
@@ -175,16 +168,15 @@ impl Flow {
             write(&folder.path().join(PRODUCTS), map)?;
         }
         self.yosys.run(folder.path(), SCRIPT, top, stop)?;
-        Ok(Synthesis { netlist: text_of(folder.path(), NETLIST)? })
+        text_of(folder.path(), NETLIST)
     }
+}
 
-    fn pack(&self, configuration: &str, stop: &AtomicBool) -> Result<Vec<u8>, ToolError> {
-        let folder = temporary_folder()?;
-        write(&folder.path().join(CONFIGURATION), configuration)?;
-        let Some(nextpnr) = &self.nextpnr else { return Ok(Vec::new()) };
-        nextpnr.pack(folder.path(), CONFIGURATION, BITSTREAM, stop)?;
-        read_within(&folder.path().join(BITSTREAM), MAX_RESULT_BYTES)
-    }
+fn pack(nextpnr: &Nextpnr, configuration: &str, stop: &AtomicBool) -> Result<Vec<u8>, ToolError> {
+    let folder = temporary_folder()?;
+    write(&folder.path().join(CONFIGURATION), configuration)?;
+    nextpnr.pack(folder.path(), CONFIGURATION, BITSTREAM, stop)?;
+    read_within(&folder.path().join(BITSTREAM), MAX_RESULT_BYTES)
 }
 
 /// A design after synthesis.
@@ -193,37 +185,6 @@ struct Synthesised {
     /// Yosys's JSON.
     json: String,
     netlist: Netlist,
-}
-
-/// Does `steps` in a thread, while `proceed` gets the number of those that are done.
-fn stoppable<T: Send>(
-    total: u64,
-    mut proceed: impl FnMut(Progress) -> bool,
-    steps: impl Fn(&AtomicU64, &AtomicBool) -> Result<T, ToolError> + Sync,
-) -> Result<T, ToolError> {
-    let done = AtomicU64::new(0);
-    let mut watch = |_: Progress| proceed(Progress { done: done.load(Ordering::Relaxed), total });
-    let run = |(): &(), stop: &AtomicBool| match steps(&done, stop) {
-        Err(ToolError::Stopped) => Ok(None),
-        other => other.map(Some),
-    };
-    let mut finished = pool::map(&[()], 1, &mut watch, run)?;
-    finished.pop().flatten().ok_or(ToolError::Stopped)
-}
-
-fn lay_out(
-    nextpnr: &Nextpnr,
-    synthesised: &Synthesised,
-    arguments: &[String],
-    name: &str,
-    stop: &AtomicBool,
-) -> Result<Layout, ToolError> {
-    let folder = temporary_folder()?;
-    write(&folder.path().join(NETLIST), &synthesised.json)?;
-    write(&folder.path().join(PINS), CLOCK_PIN)?;
-    nextpnr.run(folder.path(), arguments, name, stop)?;
-    let timing = timing::parse(&text_of(folder.path(), REPORT)?, &synthesised.netlist)?;
-    Ok(Layout { timing, configuration: text_of(folder.path(), CONFIGURATION)? })
 }
 
 /// The commands for Yosys.
@@ -245,12 +206,11 @@ impl Script {
             commands += &format!("proc\nflatten\nopt_expr\nwreduce\nopt_clean\ntechmap -map {PRODUCTS}\n");
         }
         commands += &match device.is_xilinx() {
-            false => format!("synth_ecp5 -top {top} -json {NETLIST}\n"),
-            true => {
-                let family = device.of_tools();
-                format!("synth_xilinx -family {family} -flatten -noiopad -noclkbuf -top {top} -json {NETLIST}\n")
-            }
+            false => format!("synth_ecp5 -top {top}"),
+            true => format!("synth_xilinx -family {} -flatten -noiopad -noclkbuf -top {top}", device.of_tools()),
         };
+        // `synth_ecp5` does the first one itself: it names cells by what they drive.
+        commands += &format!("\n{}write_json {NETLIST}\n", if device.is_xilinx() { "autoname\n" } else { "" });
         Self { commands, map }
     }
 }

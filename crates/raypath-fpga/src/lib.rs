@@ -9,11 +9,11 @@
 //! ```no_run
 //! use raypath_fpga::{Device, Flow, Shell, StreamWidth, Target};
 //! use raypath_rtl::{Config, DatapathNetlist, Multiplier};
-//! use raypath_tools::{Nextpnr, Yosys};
+//! use raypath_tools::Yosys;
 //!
 //! let config = Config::DEFAULT.multiplier(Multiplier::Inferred);
 //! let shell = Shell::new(DatapathNetlist::new(config)?.top(), StreamWidth::Eight)?;
-//! let flow = Flow { yosys: Yosys::find(None)?, nextpnr: Some(Nextpnr::find()?), cache: "build/ppa-cache".into() };
+//! let flow = Flow { yosys: Yosys::find(None)?, cache: "build/ppa-cache".into() };
 //! let implemented = flow.implement("paper", &shell.top, &[Target::of(Device::Ecp5_85k)], |_| true)?;
 //! println!("{:?}", implemented.report.routed);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -39,3 +39,4 @@ pub use project::{ParseProjectError, Project};
 pub use raypath_work::pool::Progress;
 pub use report::{Cells, Report, Routed, Run, Stage, Step, Use};
 pub use shell::{Shell, reduced};
+pub use timing::Timing;

@@ -6,6 +6,7 @@ use crate::shell::INSTANCE;
 use raypath_hdl::Module;
 use raypath_tools::ToolError;
 use serde::Deserialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// The part of Yosys's JSON that is read here.
@@ -30,7 +31,7 @@ pub(crate) struct Cell {
     #[serde(default)]
     attributes: Attributes,
     #[serde(default)]
-    connections: BTreeMap<String, Vec<Bit>>,
+    connections: BTreeMap<String, Vec<Value>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -41,15 +42,8 @@ struct Attributes {
 
 #[derive(Deserialize)]
 struct Net {
-    bits: Vec<Bit>,
-}
-
-/// A bit of a net, by its number, or a constant.
-#[derive(Deserialize, PartialEq)]
-#[serde(untagged)]
-enum Bit {
-    Net(u64),
-    Constant(String),
+    /// A number, or a constant as text.
+    bits: Vec<Value>,
 }
 
 /// A synthesised design.
@@ -73,27 +67,27 @@ const DATAPATH: &str = "datapath";
 const INPUTS: [&str; 9] = ["DI", "CE", "LSR", "M", "D", "R", "S", "CLR", "PRE"];
 
 impl Netlist {
-    /// The design in Yosys's JSON. `text` is what was synthesised.
+    /// The module `top` in Yosys's JSON. `text` is what was synthesised. `stages` are those of the design, in a shell
+    /// or not.
     ///
     /// # Errors
-    /// Not Yosys's JSON, or without the module `top`.
-    pub(crate) fn parse(json: &str, top: &Module, text: &str) -> Result<Self, ToolError> {
+    /// Not Yosys's JSON, or without the module.
+    pub(crate) fn parse(
+        json: &str,
+        top: &str,
+        text: &str,
+        stages: Vec<(String, String)>,
+        has_shell: bool,
+    ) -> Result<Self, ToolError> {
         let unexpected = |found: String| ToolError::unexpected("yosys", found, "its JSON with the top module");
         let mut design: Design = serde_json::from_str(json).map_err(|problem| unexpected(problem.to_string()))?;
-        let module = design.modules.remove(top.name());
-        let RawModule { cells, netnames } = module.ok_or_else(|| unexpected(format!("no module {}", top.name())))?;
-        let shell = top.instances().iter().find(|instance| instance.name == INSTANCE);
+        let module = design.modules.remove(top).ok_or_else(|| unexpected(format!("no module {top}")))?;
         let head = |(index, line): (usize, &str)| {
             let name = line.strip_prefix("module ")?.split(|c: char| !c.is_alphanumeric() && c != '_').next()?;
             Some((index + 1, name.to_string()))
         };
-        Ok(Self {
-            cells,
-            nets: netnames,
-            heads: text.lines().enumerate().filter_map(head).collect(),
-            stages: stages(shell.map_or(top, |shell| &shell.module)),
-            has_shell: shell.is_some(),
-        })
+        let heads = text.lines().enumerate().filter_map(head).collect();
+        Ok(Self { cells: module.cells, nets: module.netnames, heads, stages, has_shell })
     }
 
     /// The numbers of cells by stage.
@@ -173,7 +167,7 @@ impl Netlist {
 }
 
 /// The stages of a design, and of the datapath in a traversal unit, in order, each with its module.
-fn stages(design: &Module) -> Vec<(String, String)> {
+pub(crate) fn stages(design: &Module) -> Vec<(String, String)> {
     let mut stages = Vec::new();
     for instance in design.instances() {
         let (name, module) = (instance.stem(), &instance.module);
@@ -212,23 +206,15 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_hdl::Builder;
 
-    /// A netlist of a design without stages, named `top`, with these cells.
     fn netlist(top: &str, cells: &str) -> Netlist {
-        let m = Builder::new(top);
-        if top.ends_with("shell") {
-            let inner = Builder::new("raypath");
-            inner.output("a_o", inner.input("a_i", 1));
-            m.instance(INSTANCE, &inner.finish().expect("a module"), &[("a_i", m.input("a_i", 1))]);
-        }
         let json = format!(
             r#"{{"creator": "Yosys", "modules": {{"{top}": {{"cells": {{{cells}}},
             "netnames": {{"a": {{"bits": [2]}}, "b": {{"bits": ["0", 3]}}}}}}, "LUT4": {{}}}}}}"#
         );
-        let top = m.finish().expect("a module");
-        assert!(Netlist::parse("{", &top, "").is_err() && Netlist::parse(r#"{"modules": {}}"#, &top, "").is_err());
-        Netlist::parse(&json, &top, "").expect("a netlist")
+        let parse = |json: &str| Netlist::parse(json, top, "", Vec::new(), top == "raypath_shell");
+        assert!(parse("{").is_err() && parse(r#"{"modules": {}}"#).is_err());
+        parse(&json).expect("a netlist")
     }
 
     #[test]
@@ -254,26 +240,16 @@ mod tests {
 
     #[test]
     fn cells_of_xilinx_without_a_shell() {
-        let cells = [
-            ("u_walk.a_q_FDRE_Q", "FDRE"),
-            ("u_datapath.u_stage_2.b", "LUT6"),
-            ("u_datapath.u_stage_2.m", "DSP48E1"),
-            ("u_datapath.ready", "INV"),
-            ("u_rays.words", "RAMB36E2"),
-            ("u_rays.more", "RAMB18E2"),
-            ("u_rays.few", "RAM32M"),
-            ("u_rays.late", "SRLC32E"),
-            ("u_rays.sum", "CARRY8"),
-            ("u_rays.mux", "MUXF7"),
-        ]
-        .map(|(name, kind)| format!(r#""{name}": {{"type": "{kind}"}}"#));
+        let cells = "u_walk.a FDRE,u_datapath.u_stage_2.b LUT6,u_datapath.u_stage_2.m DSP48E1,u_datapath.ready INV,\
+                     u_rays.a RAMB36E2,u_rays.b RAMB18E2,u_rays.c RAM32M,u_rays.d SRLC32E,u_rays.e CARRY8,u_rays.f MUXF7";
+        let cells = cells.split(',').filter_map(|cell| cell.split_once(' '));
+        let cells: Vec<String> = cells.map(|(name, kind)| format!(r#""{name}": {{"type": "{kind}"}}"#)).collect();
         let stages = netlist("raypath_unit", &cells.join(",")).count();
         let cells = Cells::default();
-        let rays = Cells { block_rams: 3, distributed_rams: 1, shift_registers: 1, carry_cells: 1, ..cells };
         let expected = [
             ("datapath", Cells { luts: 1, ..cells }),
             ("datapath.stage_2", Cells { luts: 1, multipliers: 1, ..cells }),
-            ("rays", rays),
+            ("rays", Cells { block_rams: 3, distributed_rams: 1, shift_registers: 1, carry_cells: 1, ..cells }),
             ("walk", Cells { flip_flops: 1, ..cells }),
         ];
         assert_eq!(stages, expected.map(|(name, cells)| (name.to_string(), cells)).into());

@@ -1,9 +1,9 @@
 //! What a design takes of a device, and how fast it is.
 
 use crate::device::{Device, Target};
+use crate::netlist::Netlist;
 use crate::timing::Timing;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// A design on a device.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,20 +33,9 @@ pub struct Routed {
     pub aim_mhz: f64,
     /// The seed of the placement.
     pub seed: u32,
-    /// What is used of the device, by nextpnr's names.
-    pub used: BTreeMap<String, Use>,
-    /// The fastest clock after routing, in MHz.
-    pub clock_mhz: f64,
-    /// The period of that clock, in nanoseconds.
-    pub period_ns: f64,
-    /// The nanoseconds of it that pass in cells.
-    pub logic_ns: f64,
-    /// The nanoseconds of it that pass on wires.
-    pub routing_ns: f64,
-    /// The cells between the registers on the slowest path; a carry chain is one.
-    pub levels: usize,
-    /// The slowest path, from register to register.
-    pub path: Vec<Step>,
+    /// Its figures.
+    #[serde(flatten)]
+    pub timing: Timing,
     /// All runs, with their clocks.
     pub runs: Vec<Run>,
 }
@@ -119,15 +108,15 @@ pub struct Step {
 }
 
 impl Report {
-    /// The report of a design whose cells are known. `runs` has the best run, or none, and the clocks of all.
+    /// The report of a synthesised design. `routed` has the best run and the clocks of all.
     pub(crate) fn new(
         design: &str,
         [synthesis, place_and_route]: [&str; 2],
         device: Device,
-        cells: &BTreeMap<String, Cells>,
-        order: &[(String, String)],
+        netlist: &Netlist,
         routed: Option<(Target, Timing, Vec<Run>)>,
     ) -> Self {
+        let (cells, order) = (netlist.count(), &netlist.stages);
         let mut all = Cells::default();
         cells.values().for_each(|cells| all.add(cells));
         let mut names: Vec<&String> =
@@ -150,31 +139,24 @@ impl Report {
                 speed: target.speed,
                 aim_mhz: target.clock_mhz,
                 seed: target.seed,
-                used: timing.used,
-                clock_mhz: timing.clock_mhz,
-                period_ns: 1000.0 / timing.clock_mhz,
-                logic_ns: timing.logic_ns,
-                routing_ns: timing.routing_ns,
-                levels: timing.levels,
-                path: timing.path,
+                timing,
                 runs,
             }),
         }
     }
 }
 
-impl Routed {
-    /// The speed grades of the runs, in order, each with the best and the median clock in MHz.
-    pub fn grades(&self) -> Vec<(u8, f64, f64)> {
+impl Run {
+    /// The speed grades of runs, in order, each with the best and the median clock in MHz.
+    pub fn grades(runs: &[Self]) -> Vec<(u8, f64, f64)> {
         let mut speeds: Vec<u8> = Vec::new();
-        self.runs.iter().for_each(|run| {
+        runs.iter().for_each(|run| {
             if !speeds.contains(&run.speed) {
                 speeds.push(run.speed)
             }
         });
         let grade = |speed: u8| {
-            let mut clocks: Vec<f64> =
-                self.runs.iter().filter(|run| run.speed == speed).map(|run| run.clock_mhz).collect();
+            let mut clocks: Vec<f64> = runs.iter().filter(|run| run.speed == speed).map(|run| run.clock_mhz).collect();
             clocks.sort_by(f64::total_cmp);
             let middle = clocks.len() / 2;
             let median =
@@ -203,14 +185,8 @@ mod tests {
 
     #[test]
     fn best_and_median_by_grade() {
-        let mut routed: Routed = serde_json::from_value(serde_json::json!({
-            "place_and_route": "", "speed": 6, "aim_mhz": 70.0, "seed": 2, "used": {}, "clock_mhz": 50.0,
-            "period_ns": 20.0, "logic_ns": 0.0, "routing_ns": 0.0, "levels": 0, "path": [], "runs": []
-        }))
-        .expect("a report");
-        assert_eq!(routed.grades(), []);
         let runs = [(6, 1, 40.0), (6, 2, 50.0), (6, 3, 42.0), (8, 1, 60.0), (8, 2, 70.0)];
-        routed.runs = runs.map(|(speed, seed, clock_mhz)| Run { speed, seed, clock_mhz }).into();
-        assert_eq!(routed.grades(), [(6, 50.0, 42.0), (8, 70.0, 65.0)]);
+        let runs = runs.map(|(speed, seed, clock_mhz)| Run { speed, seed, clock_mhz });
+        assert_eq!(Run::grades(&runs), [(6, 50.0, 42.0), (8, 70.0, 65.0)]);
     }
 }

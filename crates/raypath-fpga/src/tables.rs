@@ -1,6 +1,6 @@
 //! Reports as tables and text.
 
-use crate::report::{Cells, Report, Routed};
+use crate::report::{Cells, Report, Routed, Run};
 use raypath_rtl::report::tables::{right_aligned, table};
 use raypath_tools::grouped;
 
@@ -18,36 +18,29 @@ pub fn stages(report: &Report) -> String {
         [&[name.to_string()], counts.as_slice(), &[last]].concat()
     };
     let stages = report.stages.iter().map(|stage| row(&stage.name, &stage.cells, stage.slowest_ns));
-    let all = row("all", &report.cells, report.routed.as_ref().map(|routed| routed.period_ns));
+    let all = row("all", &report.cells, report.routed.as_ref().map(|routed| routed.timing.period_ns));
     let heads = [&["stage"], (if is_routed { ecp5 } else { xilinx }).as_slice()].concat();
     right_aligned(table(heads, stages.chain([all])), 1)
 }
 
 /// A table of the cells and wires on the slowest path.
 pub fn path(routed: &Routed) -> String {
-    let rows = routed.path.iter().map(|step| {
+    let rows = routed.timing.path.iter().map(|step| {
         let [ns, at] = [step.ns, step.at_ns].map(|ns| format!("{ns:.2}"));
         [step.stage.clone(), step.signal.clone(), step.text.clone(), step.what.clone(), ns, at]
     });
     right_aligned(table(["stage", "signal", "module:line", "slowest path", "ns", "at, ns"], rows), 4)
 }
 
-/// A table of the clocks of all runs, if there are several.
-pub fn runs(routed: &Routed) -> Option<String> {
-    let grades = routed.grades();
-    let cell = |mhz: f64| format!("{mhz:.1}");
-    let seeds = routed.runs.iter().filter(|run| run.speed == routed.speed).map(|run| run.seed);
-    let row = |seed: u32| {
-        let clocks = routed.runs.iter().filter(|run| run.seed == seed).map(|run| cell(run.clock_mhz));
-        [seed.to_string()].into_iter().chain(clocks).collect::<Vec<_>>()
-    };
-    let of = |name: &str, clock: fn(&(u8, f64, f64)) -> f64| {
-        [name.to_string()].into_iter().chain(grades.iter().map(|grade| cell(clock(grade)))).collect::<Vec<_>>()
-    };
-    let ends = [of("best", |grade| grade.1), of("median", |grade| grade.2)];
-    let head = ["seed".to_string()].into_iter().chain(grades.iter().map(|grade| format!("MHz, grade {}", grade.0)));
-    let rows = seeds.map(row).chain(ends);
-    (routed.runs.len() > 1).then(|| right_aligned(table(head.collect::<Vec<_>>(), rows), 1))
+/// A table of the clocks of all runs, with the best and the median of each speed grade.
+pub fn runs(routed: &Routed) -> String {
+    let row = |speed: u8, what: String, mhz: f64| [speed.to_string(), what, format!("{mhz:.1}")];
+    let runs = routed.runs.iter().map(|run| row(run.speed, format!("seed {}", run.seed), run.clock_mhz));
+    let ends = |(speed, best, median)| [("best", best), ("median", median)].map(|(of, mhz)| row(speed, of.into(), mhz));
+    right_aligned(
+        table(["speed grade", "run", "MHz"], runs.chain(Run::grades(&routed.runs).into_iter().flat_map(ends))),
+        2,
+    )
 }
 
 /// The main figures in a few lines of text.
@@ -58,9 +51,10 @@ pub fn summary(report: &Report) -> String {
             "{synthesis}; {device}. Synthesis only: there is no clock, because nothing is placed and routed."
         );
     };
-    let of = |kind: &str| routed.used.get(kind).map_or(String::new(), |of| format!(" of {}", grouped(of.available)));
+    let of =
+        |kind: &str| routed.timing.used.get(kind).map_or(String::new(), |of| format!(" of {}", grouped(of.available)));
     let percent = |kind: &str| {
-        let used = routed.used.get(kind);
+        let used = routed.timing.used.get(kind);
         used.map_or(String::new(), |of| {
             format!(" ({:.0} % of the device's LUTs, with those of carry cells)", share(of.used, of.available))
         })
@@ -80,7 +74,11 @@ pub fn summary(report: &Report) -> String {
         ),
         format!(
             "Clock {:.1} MHz: {:.2} ns, of which {:.2} ns in cells, on {} levels, and {:.2} ns on wires.",
-            routed.clock_mhz, routed.period_ns, routed.logic_ns, routed.levels, routed.routing_ns
+            routed.timing.clock_mhz,
+            routed.timing.period_ns,
+            routed.timing.logic_ns,
+            routed.timing.levels,
+            routed.timing.routing_ns
         ),
         format!(
             "{synthesis} and {}; {device}, speed grade {}, placed for {} MHz with seed {}.",

@@ -9,14 +9,22 @@ use std::collections::BTreeMap;
 
 /// What is kept of nextpnr's report.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Timing {
+pub struct Timing {
+    /// The fastest clock after routing, in MHz.
     pub clock_mhz: f64,
+    /// The period of that clock, in nanoseconds.
+    pub period_ns: f64,
+    /// The nanoseconds of it that pass in cells.
+    pub logic_ns: f64,
+    /// The nanoseconds of it that pass on wires.
+    pub routing_ns: f64,
+    /// The cells between the registers on the slowest path; a carry chain is one.
+    pub levels: usize,
+    /// The slowest path, from register to register.
+    pub path: Vec<Step>,
     /// Nanoseconds to the slowest end in each stage, without the end's setup.
     pub slowest: BTreeMap<String, f64>,
-    pub path: Vec<Step>,
-    pub logic_ns: f64,
-    pub routing_ns: f64,
-    pub levels: usize,
+    /// What is used of the device, by nextpnr's names.
     pub used: BTreeMap<String, Use>,
 }
 
@@ -95,7 +103,8 @@ pub(crate) fn parse(json: &str, netlist: &Netlist) -> Result<Timing, ToolError> 
     let used = raw.utilization.into_iter().filter(|(kind, _)| SHOWN.contains(&kind.as_str())).collect();
     let sum = |wires| path.path.iter().filter(|step| step.net.is_some() == wires).map(|step| step.delay).sum();
     let (path, levels) = steps(&path.path, netlist);
-    Ok(Timing { clock_mhz, slowest, path, logic_ns: sum(false), routing_ns: sum(true), levels, used })
+    let period_ns = 1000.0 / clock_mhz;
+    Ok(Timing { clock_mhz, period_ns, slowest, path, logic_ns: sum(false), routing_ns: sum(true), levels, used })
 }
 
 /// The kinds of resources that reports have.
@@ -174,7 +183,6 @@ fn plain(name: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_hdl::Builder;
 
     /// A report of nextpnr 0.11.1 on two registered products of 18 bits, shortened to one net of each kind.
     const RECORDED: &str = include_str!("../tests/data/nextpnr-0.11.1-report.json");
@@ -183,22 +191,11 @@ mod tests {
     /// slowest path and its cells.
     const PATH: &str = include_str!("../tests/data/nextpnr-0.11.1-path.json");
 
-    /// A netlist with this JSON of modules. The text has the stages in these lines.
+    /// A netlist with this JSON of modules, whose text has the stages in lines 1 and 14.
     fn netlist(json: &str) -> Netlist {
-        let stage = |name: &str| {
-            let m = Builder::new(name);
-            m.output("a_o", m.input("a_i", 1));
-            m.finish().expect("a module")
-        };
-        let m = Builder::new("raypath");
-        let a = m.input("a_i", 1);
-        let first = m.instance("u_stage_1", &stage("raypath_stage_1"), &[("a_i", a)])[0];
-        m.output("a_o", m.instance("u_stage_2", &stage("raypath_stage_2"), &[("a_i", first)])[0]);
-        let datapath = m.finish().expect("a module");
-        let m = Builder::new("raypath_shell");
-        m.output("a_o", m.instance(INSTANCE, &datapath, &[("a_i", m.input("a_i", 1))])[0]);
         let text = "module raypath_stage_1 (\n".to_string() + &"\n".repeat(12) + "module raypath_stage_2 (\n";
-        Netlist::parse(json, &m.finish().expect("a module"), &text).expect("a netlist")
+        let stages = ["stage_1", "stage_2"].map(|name| (name.to_string(), format!("raypath_{name}")));
+        Netlist::parse(json, "raypath_shell", &text, stages.into(), true).expect("a netlist")
     }
 
     const EMPTY: &str = r#"{"modules": {"raypath_shell": {}}}"#;

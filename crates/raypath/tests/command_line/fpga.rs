@@ -54,7 +54,7 @@ fn projects_have_the_text_constraints_and_a_script() {
         let given = ["fpga", "--format", "e3s3", "--lanes", "none", "--clock", "125", "--project", project, "--out"];
         ends_with(&[&given[..], &[out.to_str().expect("a name")]].concat(), 0, &["Not run here"]);
         let read = |name: &str| std::fs::read_to_string(out.join(name)).expect("a file");
-        assert!(read("raypath.sv").contains("\nmodule raypath (") || read("raypath.sv").contains("\nmodule raypath\n"));
+        assert!(read("raypath.sv").contains("\nmodule raypath"));
         assert!(read(&format!("raypath.{constraints}")).contains("-period 8 [get_ports clk_i]"));
         let script = read("project.tcl");
         assert!(script.contains(command) && script.contains("raypath.sv") && !script.contains('@'), "{script}");

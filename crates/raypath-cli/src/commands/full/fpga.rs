@@ -1,21 +1,20 @@
 //! `raypath fpga`: the datapath, or the traversal unit, on an FPGA.
 
-use crate::commands::full::measuring::RESUMES;
+use crate::commands::full::measuring::resumable;
 use crate::commands::full::ppa::json;
 use crate::commands::unit::{UnitArguments, not_with_unit};
-use crate::{CliError, DatapathArguments, Progress, Stopped, number, whole};
+use crate::{CliError, DatapathArguments, number, whole};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use raypath_fpga::{
-    Comparison, Device, Flow, Host, Implementation, Progress as Steps, Project, Report, Shell, StreamWidth, Target,
-    reduced, tables,
+    Comparison, Device, Flow, Host, Implementation, Project, Report, Shell, StreamWidth, Target, reduced, tables,
 };
 use raypath_hdl::{Module, verilog};
 use raypath_model::Model;
 use raypath_rtl::Config;
 use raypath_sim::files::write_all;
 use raypath_sim::{Datapath, Words, jobs};
-use raypath_tools::{Nextpnr, Options, Sources, ToolError, VerilatedStream, Yosys, temporary_folder};
+use raypath_tools::{Options, Sources, ToolError, VerilatedStream, Yosys, temporary_folder};
 use raypath_traversal::UnitNetlist;
 use std::fs::File;
 use std::io::Write;
@@ -134,7 +133,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
 }
 
-/// Writes a project, or a report of the cells on an FPGA of Xilinx's, or one with a bitstream.
+/// Writes a project, or the report of a design with its files: in its shell, with a bitstream, or on Xilinx's alone.
 fn report(
     arguments: &Arguments,
     name: &str,
@@ -142,49 +141,40 @@ fn report(
     shell: impl FnOnce() -> Result<Arc<Module>, CliError>,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
-    let Arguments { device, clock, out: folder, .. } = arguments;
+    let Arguments { device, clock, out: folder, placement, .. } = arguments;
     let text = |module| -> Result<String, CliError> {
         Ok(verilog::sources(module, &[])?.into_iter().map(|source| source.text).collect())
     };
-    let file = |name: &str, bytes: Vec<u8>| (folder.join(name), bytes);
-    let (report, files) = if let Some(project) = arguments.project {
-        let files = project.files(design, &text(design)?, *clock);
-        write_all(&files.clone().map(|(name, text)| file(&name, text.into())))?;
-        let names = files.map(|(name, _)| name).join(", ");
-        return Ok(writeln!(out, "Wrote {names} to {}. Not run here; project.tcl says how.", folder.display())?);
-    } else if device.is_xilinx() {
-        let report = watched(1, |flow, watch| flow.synthesise(name, design, *device, watch), arguments, None)?;
-        let source = format!("{}.sv", design.name());
-        let files = vec![file("fpga.json", (json(&report)? + "\n").into()), file(&source, text(design)?.into())];
-        (report, files)
-    } else {
-        let shell = shell()?;
-        let seeds = arguments.placement..arguments.placement.saturating_add(arguments.seeds);
-        let target = |speed, seed| Target { device: *device, speed, clock_mhz: *clock, seed };
-        let targets: Vec<Target> =
-            arguments.speed.iter().flat_map(|speed| seeds.clone().map(|seed| target(*speed, seed))).collect();
-        let implement =
-            |flow: &Flow, watch: &mut dyn FnMut(Steps) -> bool| flow.implement(name, &shell, &targets, watch);
-        let nextpnr = Some(Nextpnr::find()?);
-        let Implementation { report, configuration, bitstream } =
-            watched(targets.len() + 2, implement, arguments, nextpnr)?;
-        let files = vec![
-            file("fpga.json", (json(&report)? + "\n").into()),
-            file("raypath_shell.sv", text(&shell)?.into()),
-            file("shell.config", configuration.into()),
-            file("shell.bit", bitstream),
-        ];
-        (report, files)
+    let write = |files: Vec<(String, Vec<u8>)>| -> Result<String, CliError> {
+        let names = files.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
+        write_all(&files.into_iter().map(|(name, bytes)| (folder.join(name), bytes)).collect::<Vec<_>>())?;
+        Ok(format!("Wrote {names} to {}.", folder.display()))
     };
-    write_all(&files)?;
+    if let Some(project) = arguments.project {
+        let files = project.files(design, &text(design)?, *clock).map(|(name, text)| (name, text.into()));
+        return Ok(writeln!(out, "{} Not run here; project.tcl says how.", write(files.into())?)?);
+    }
+    let top = if device.is_xilinx() { design.clone() } else { shell()? };
+    let seeds = *placement..placement.saturating_add(arguments.seeds);
+    let target = |speed: &u8, seed| Target { device: *device, speed: *speed, clock_mhz: *clock, seed };
+    let targets = arguments.speed.iter().flat_map(|speed| seeds.clone().map(move |seed| target(speed, seed)));
+    let targets: Vec<Target> = targets.collect();
+    let flow = Flow { yosys: Yosys::find(None)?, cache: arguments.cache.clone() };
+    let Implementation { report, configuration, bitstream } =
+        resumable(|watch| Ok(flow.implement(name, &top, &targets, watch)?))?;
+    let mut files = vec![
+        (format!("{}.sv", top.name()), text(&top)?.into()),
+        ("fpga.json".to_string(), (json(&report)? + "\n").into()),
+        ("shell.config".to_string(), configuration.into()),
+        ("shell.bit".to_string(), bitstream),
+    ];
+    files.retain(|(_, bytes): &(_, Vec<u8>)| !bytes.is_empty());
+    let written = write(files)?;
     if arguments.json {
-        writeln!(out, "{}", json(&report)?)?;
-        return Ok(());
+        return Ok(writeln!(out, "{}", json(&report)?)?);
     }
     show(&report, out)?;
-    let names = files.iter().filter_map(|(path, _)| path.file_name()?.to_str()).collect::<Vec<_>>().join(", ");
-    writeln!(out, "\nWrote {names} to {}.", folder.display())?;
-    Ok(())
+    Ok(writeln!(out, "\n{written}")?)
 }
 
 fn show(report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
@@ -192,35 +182,13 @@ fn show(report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
     writeln!(out, "{}\n", tables::stages(report))?;
     if let Some(routed) = &report.routed {
         writeln!(out, "{}\n", tables::path(routed))?;
-        tables::runs(routed).map_or(Ok(()), |runs| writeln!(out, "{runs}\n"))?;
+        writeln!(out, "{}\n", tables::runs(routed))?;
     }
     writeln!(out, "{}", tables::summary(report))?;
     if report.cells.multipliers == 0 {
         writeln!(out, "Multipliers are gates; with --multiplier inferred they are those of the FPGA.")?;
     }
     Ok(())
-}
-
-/// Runs the flow, and shows how many steps are done.
-fn watched<T>(
-    steps: usize,
-    work: impl FnOnce(&Flow, &mut dyn FnMut(Steps) -> bool) -> Result<T, ToolError>,
-    arguments: &Arguments,
-    nextpnr: Option<Nextpnr>,
-) -> Result<T, CliError> {
-    let flow = Flow { yosys: Yosys::find(None)?, nextpnr, cache: arguments.cache.clone() };
-    let mut reached = 0;
-    let mut progress = Progress::new("steps", steps);
-    let result = work(&flow, &mut |steps| {
-        reached = steps.done as usize;
-        progress.at(reached)
-    });
-    match progress.finish(reached) {
-        Ok(()) => {}
-        Err(Stopped { .. }) if result.is_ok() => {}
-        Err(stopped) => return Err(CliError::Stopped(format!("{stopped}; {RESUMES}"))),
-    }
-    Ok(result?)
 }
 
 /// Runs random jobs through a shell at the other end of a stream.
