@@ -1,50 +1,40 @@
-//! From a shell to a bitstream.
+//! From a design to its cells, and to a bitstream.
 
 use crate::device::{Device, Target};
-use crate::netlist;
+use crate::netlist::{self, Netlist};
 use crate::products;
-use crate::report::{Cells, Report};
-use crate::shell::Shell;
+use crate::report::{Report, Run};
+use crate::shell::INSTANCE;
 use crate::timing::{self, Timing};
 use raypath_hdl::{Module, verilog};
 use raypath_tools::{Cache, Key, MAX_RESULT_BYTES, Nextpnr, ToolError, Yosys, read_within, temporary_folder, write};
 use raypath_work::pool::{self, Progress};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// The tools and a cache, with which shells are implemented.
+/// The tools and a cache, with which designs are implemented.
 #[derive(Debug)]
 pub struct Flow {
     /// The synthesiser.
     pub yosys: Yosys,
-    /// The program that places and routes.
-    pub nextpnr: Nextpnr,
     /// The folder of cached results.
     pub cache: PathBuf,
 }
 
-/// A shell on a device.
+/// A design on a device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Implementation {
     /// What it takes, and how fast it is.
     pub report: Report,
-    /// nextpnr's textual configuration of the device.
+    /// nextpnr's textual configuration of the device; empty for Xilinx's.
     pub configuration: String,
-    /// The bitstream.
+    /// The bitstream; empty for Xilinx's.
     pub bitstream: Vec<u8>,
 }
 
-/// A synthesised shell.
-#[derive(Serialize, Deserialize)]
-struct Synthesis {
-    cells: BTreeMap<String, Cells>,
-    /// Yosys's JSON.
-    netlist: String,
-}
-
-/// A placed and routed shell.
+/// A placed and routed design.
 #[derive(Serialize, Deserialize)]
 struct Layout {
     timing: Timing,
@@ -52,7 +42,7 @@ struct Layout {
 }
 
 /// Names of files in the folders of the programs.
-const DESIGN: &str = "design.sv";
+pub(crate) const DESIGN: &str = "design.sv";
 const SCRIPT: &str = "script.ys";
 const PRODUCTS: &str = "products.v";
 const NETLIST: &str = "netlist.json";
@@ -65,29 +55,28 @@ const BITSTREAM: &str = "shell.bit";
 /// clock sometimes cannot be routed.
 const CLOCK_PIN: &str = "LOCATE COMP \"clk_i\" SITE \"G2\";\nIOBUF PORT \"clk_i\" IO_TYPE=LVCMOS33;\n";
 
-/// Synthesis; place and route; the bitstream.
-const STEPS: u64 = 3;
-
 impl Flow {
-    /// Synthesises, places and routes a shell, and makes the bitstream. `design` names it in the report.
+    /// Synthesises a design. For an ECP5, for which it has few pins, such as a shell, also places and routes it for
+    /// each target, and makes the bitstream of the fastest of those with the first target's speed grade. The targets
+    /// have one device. `name` names the design in the report.
     ///
-    /// Synthesis and layout go into the cache and are not computed again, so that a stopped run resumes with the step
+    /// Synthesis and layouts go into the cache and are not computed again, so that a stopped run resumes with the step
     /// that it was in. `proceed` gets the number of finished steps several times a second; if it returns false, the
     /// program that runs is ended.
     ///
     /// # Errors
-    /// A tool is missing or fails, for example because the design does not fit the device; a file cannot be written;
-    /// [`ToolError::Stopped`].
+    /// No target; a tool is missing or fails, for example because the design does not fit the device; a file cannot be
+    /// written; [`ToolError::Stopped`].
     pub fn implement(
         &self,
-        design: &str,
-        shell: &Shell,
-        target: Target,
+        name: &str,
+        top: &Arc<Module>,
+        targets: &[Target],
         mut proceed: impl FnMut(Progress) -> bool,
     ) -> Result<Implementation, ToolError> {
-        let done = AtomicU64::new(0);
-        let mut watch = |_: Progress| proceed(Progress { done: done.load(Ordering::Relaxed), total: STEPS });
-        let run = |(): &(), stop: &AtomicBool| match self.steps(design, shell, target, &done, stop) {
+        let (done, total) = (AtomicU64::new(0), targets.len() as u64 + 2);
+        let mut watch = |_: Progress| proceed(Progress { done: done.load(Ordering::Relaxed), total });
+        let run = |(): &(), stop: &AtomicBool| match self.steps(name, top, targets, &done, stop) {
             Err(ToolError::Stopped) => Ok(None),
             other => other.map(Some),
         };
@@ -97,39 +86,81 @@ impl Flow {
 
     fn steps(
         &self,
-        design: &str,
-        shell: &Shell,
-        target: Target,
+        name: &str,
+        top: &Arc<Module>,
+        targets: &[Target],
         done: &AtomicU64,
         stop: &AtomicBool,
     ) -> Result<Implementation, ToolError> {
-        let cache = Cache::new(&self.cache);
-        let mut text = String::new();
-        for source in verilog::sources(&shell.top, &[])? {
-            text += &source.text;
+        let none = || ToolError::unexpected("nextpnr", "no target", "at least one");
+        let Target { device, speed, .. } = *targets.first().ok_or_else(none)?;
+        let nextpnr = (!device.is_xilinx()).then(Nextpnr::find).transpose()?;
+        let synthesised = self.synthesised(top, device, stop)?;
+        let report = |place_and_route: &str, routed| {
+            Report::new(name, [&self.yosys.version, place_and_route], device, &synthesised.netlist, routed)
+        };
+        done.fetch_add(1, Ordering::Relaxed);
+        let Some(nextpnr) = nextpnr else {
+            let report = report("", None);
+            return Ok(Implementation { report, configuration: String::new(), bitstream: Vec::new() });
+        };
+        let mut runs = Vec::new();
+        let mut best: Option<(Target, Layout)> = None;
+        for target in targets {
+            let layout = self.layout(&nextpnr, name, &synthesised, *target, stop)?;
+            done.fetch_add(1, Ordering::Relaxed);
+            let clock_mhz = layout.timing.clock_mhz;
+            runs.push(Run { speed: target.speed, seed: target.seed, clock_mhz });
+            let is_best = best.as_ref().is_none_or(|(_, best)| clock_mhz > best.timing.clock_mhz);
+            if target.speed == speed && is_best {
+                best = Some((*target, layout));
+            }
         }
-        let top = shell.top.name();
-        let script = Script::new(&shell.top, target.device);
-        let synthesis_key =
-            Key::new("ecp5-synthesis", &[&text, &script.commands, script.map.unwrap_or_default(), &self.yosys.version]);
-        let synthesis: Synthesis =
-            cache.kept(&synthesis_key, |_| true, || self.synthesise(&text, &script, top, stop))?;
-        done.store(1, Ordering::Relaxed);
-
-        let arguments = arguments(target);
-        let parts = [synthesis_key.as_str(), &arguments.join(" "), CLOCK_PIN, &self.nextpnr.version];
-        let layout_key = Key::new("ecp5-layout", &parts);
-        let lay_out = || self.lay_out(&synthesis.netlist, &arguments, design, stop);
-        let Layout { timing, configuration } = cache.kept(&layout_key, |_| true, lay_out)?;
-        done.store(2, Ordering::Relaxed);
-
-        let bitstream = self.pack(&configuration, stop)?;
-        let tools = [self.yosys.version.as_str(), self.nextpnr.version.as_str()];
-        let report = Report::new(design, tools, target, &synthesis.cells, timing, &stages(shell));
-        Ok(Implementation { report, configuration, bitstream })
+        let (target, Layout { timing, configuration }) = best.ok_or_else(none)?;
+        let bitstream = pack(&nextpnr, &configuration, stop)?;
+        Ok(Implementation { report: report(&nextpnr.version, Some((target, timing, runs))), configuration, bitstream })
     }
 
-    fn synthesise(&self, text: &str, script: &Script, top: &str, stop: &AtomicBool) -> Result<Synthesis, ToolError> {
+    /// The design after synthesis, from the cache if it is there.
+    fn synthesised(&self, top: &Arc<Module>, device: Device, stop: &AtomicBool) -> Result<Synthesised, ToolError> {
+        let mut text = String::new();
+        for source in verilog::sources(top, &[])? {
+            text += &source.text;
+        }
+        let script = Script::new(top, device);
+        let key = if device.is_xilinx() { "xilinx-synthesis" } else { "ecp5-synthesis" };
+        let key = Key::new(key, &[&text, &script.commands, script.map.unwrap_or_default(), &self.yosys.version]);
+        let run = || self.run_yosys(&text, &script, top.name(), stop);
+        let json: String = Cache::new(&self.cache).kept(&key, |_| true, run)?;
+        let shell = top.instances().iter().find(|instance| instance.name == INSTANCE);
+        let stages = netlist::stages(shell.map_or(top, |shell| &shell.module));
+        let netlist = Netlist::parse(&json, top.name(), &text, stages, shell.is_some())?;
+        Ok(Synthesised { key, json, netlist })
+    }
+
+    /// The layout of a design, from the cache if it is there.
+    fn layout(
+        &self,
+        nextpnr: &Nextpnr,
+        name: &str,
+        synthesised: &Synthesised,
+        target: Target,
+        stop: &AtomicBool,
+    ) -> Result<Layout, ToolError> {
+        let arguments = arguments(target);
+        let parts = [synthesised.key.as_str(), &arguments.join(" "), CLOCK_PIN, &nextpnr.version];
+        let run = || {
+            let folder = temporary_folder()?;
+            write(&folder.path().join(NETLIST), &synthesised.json)?;
+            write(&folder.path().join(PINS), CLOCK_PIN)?;
+            nextpnr.run(folder.path(), &arguments, name, stop)?;
+            let timing = timing::parse(&text_of(folder.path(), REPORT)?, &synthesised.netlist)?;
+            Ok(Layout { timing, configuration: text_of(folder.path(), CONFIGURATION)? })
+        };
+        Cache::new(&self.cache).kept(&Key::new("ecp5-layout", &parts), |_| true, run)
+    }
+
+    fn run_yosys(&self, text: &str, script: &Script, top: &str, stop: &AtomicBool) -> Result<String, ToolError> {
         let folder = temporary_folder()?;
         write(&folder.path().join(DESIGN), text)?;
         write(&folder.path().join(SCRIPT), &script.commands)?;
@@ -137,31 +168,23 @@ impl Flow {
             write(&folder.path().join(PRODUCTS), map)?;
         }
         self.yosys.run(folder.path(), SCRIPT, top, stop)?;
-        let netlist = text_of(folder.path(), NETLIST)?;
-        Ok(Synthesis { cells: netlist::cells(&netlist, top)?, netlist })
+        text_of(folder.path(), NETLIST)
     }
+}
 
-    fn lay_out(
-        &self,
-        netlist: &str,
-        arguments: &[String],
-        design: &str,
-        stop: &AtomicBool,
-    ) -> Result<Layout, ToolError> {
-        let folder = temporary_folder()?;
-        write(&folder.path().join(NETLIST), netlist)?;
-        write(&folder.path().join(PINS), CLOCK_PIN)?;
-        self.nextpnr.run(folder.path(), arguments, design, stop)?;
-        let timing = timing::parse(&text_of(folder.path(), REPORT)?)?;
-        Ok(Layout { timing, configuration: text_of(folder.path(), CONFIGURATION)? })
-    }
+fn pack(nextpnr: &Nextpnr, configuration: &str, stop: &AtomicBool) -> Result<Vec<u8>, ToolError> {
+    let folder = temporary_folder()?;
+    write(&folder.path().join(CONFIGURATION), configuration)?;
+    nextpnr.pack(folder.path(), CONFIGURATION, BITSTREAM, stop)?;
+    read_within(&folder.path().join(BITSTREAM), MAX_RESULT_BYTES)
+}
 
-    fn pack(&self, configuration: &str, stop: &AtomicBool) -> Result<Vec<u8>, ToolError> {
-        let folder = temporary_folder()?;
-        write(&folder.path().join(CONFIGURATION), configuration)?;
-        self.nextpnr.pack(folder.path(), CONFIGURATION, BITSTREAM, stop)?;
-        read_within(&folder.path().join(BITSTREAM), MAX_RESULT_BYTES)
-    }
+/// A design after synthesis.
+struct Synthesised {
+    key: Key,
+    /// Yosys's JSON.
+    json: String,
+    netlist: Netlist,
 }
 
 /// The commands for Yosys.
@@ -173,15 +196,21 @@ struct Script {
 
 impl Script {
     /// Products take fewer multipliers if the device has too few of them.
-    fn new(shell: &Module, device: Device) -> Self {
-        let top = shell.name();
-        let map = (products::multipliers(shell) > device.multipliers()).then_some(products::MAP);
+    fn new(design: &Module, device: Device) -> Self {
+        let top = design.name();
+        let lacks = |multipliers| products::multipliers(design) > multipliers;
+        let map = device.multipliers().is_some_and(lacks).then_some(products::MAP);
         let mut commands = format!("read_verilog -sv -DSYNTHESIS {DESIGN}\nhierarchy -check -top {top}\n");
         if map.is_some() {
             // The operands of a product in the text are as wide as the product.
             commands += &format!("proc\nflatten\nopt_expr\nwreduce\nopt_clean\ntechmap -map {PRODUCTS}\n");
         }
-        commands += &format!("synth_ecp5 -top {top} -json {NETLIST}\n");
+        commands += &match device.is_xilinx() {
+            false => format!("synth_ecp5 -top {top}"),
+            true => format!("synth_xilinx -family {} -flatten -noiopad -noclkbuf -top {top}", device.of_tools()),
+        };
+        // `synth_ecp5` does the first one itself: it names cells by what they drive.
+        commands += &format!("\n{}write_json {NETLIST}\n", if device.is_xilinx() { "autoname\n" } else { "" });
         Self { commands, map }
     }
 }
@@ -194,12 +223,6 @@ fn arguments(target: Target) -> Vec<String> {
     let router = ["--router", "router2"];
     let fixed = files.into_iter().chain(options).chain(router).map(str::to_string);
     target.arguments().into_iter().chain(fixed).collect()
-}
-
-/// The names of the datapath's instances in reports, in order.
-fn stages(shell: &Shell) -> Vec<String> {
-    let datapath = shell.top.instances().iter().flat_map(|datapath| datapath.module.instances());
-    datapath.map(|instance| instance.stem().to_string()).collect()
 }
 
 fn text_of(folder: &Path, name: &str) -> Result<String, ToolError> {

@@ -98,6 +98,37 @@ impl Shell {
     }
 }
 
+/// A module `raypath_shell` around any design, to measure its clock: each input is a register of a shift register, and
+/// each output is added to another one by exclusive or. So nothing of the design is left out, no path but to or from a
+/// register leads through a port, and there are two pins.
+///
+/// # Errors
+/// A design with the ports of the module itself.
+pub fn reduced(design: &Arc<Module>) -> Result<Arc<Module>, Error> {
+    let m = Builder::new("raypath_shell");
+    m.doc(format!("The module {} between two shift registers, to measure its clock.", design.name()));
+    let mut last = m.input("data_i", 1);
+    let register = |port: &raypath_hdl::Port, width| m.register(&format!("{}_q", port.name), width);
+    let shifted = |wire: Wire<'_>, last| match wire.width() {
+        1 => last,
+        width => m.concat(&[wire.lower(width - 1), last]),
+    };
+    let mut inputs = Vec::new();
+    for port in design.inputs() {
+        let word = register(port, design.port_width(&port.name).unwrap_or(1));
+        word.next(shifted(word.wire(), last));
+        last = word.wire().top();
+        inputs.push((port.name.as_str(), word.wire()));
+    }
+    for (port, output) in design.outputs().iter().zip(m.instance(INSTANCE, design, &inputs)) {
+        let word = register(port, output.width());
+        word.next(shifted(word.wire(), last) ^ output);
+        last = word.wire().top();
+    }
+    m.output("data_o", last);
+    m.finish()
+}
+
 /// A register for 0 to `most`.
 fn counter<'m>(m: &'m Builder, name: &str, most: u32) -> raypath_hdl::Register<'m> {
     m.register(name, (u32::BITS - most.leading_zeros()).max(1)).reset_to(0)

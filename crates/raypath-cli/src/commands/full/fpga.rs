@@ -1,37 +1,54 @@
-//! `raypath fpga`: the datapath on an FPGA.
+//! `raypath fpga`: the datapath, or the traversal unit, on an FPGA.
 
-use crate::commands::full::measuring::RESUMES;
+use crate::commands::full::measuring::resumable;
 use crate::commands::full::ppa::json;
-use crate::{CliError, DatapathArguments, Progress, Stopped, number, whole};
+use crate::commands::unit::{UnitArguments, not_with_unit};
+use crate::{CliError, DatapathArguments, number, whole};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use raypath_fpga::{Comparison, Device, Flow, Host, Implementation, Shell, StreamWidth, Target, tables};
-use raypath_hdl::verilog;
+use raypath_fpga::{
+    Comparison, Device, Flow, Host, Implementation, Project, Report, Shell, StreamWidth, Target, reduced, tables,
+};
+use raypath_hdl::{Module, verilog};
 use raypath_model::Model;
 use raypath_rtl::Config;
 use raypath_sim::files::write_all;
 use raypath_sim::{Datapath, Words, jobs};
-use raypath_tools::{Nextpnr, Options, Sources, ToolError, VerilatedStream, Yosys, temporary_folder};
+use raypath_tools::{Options, Sources, ToolError, VerilatedStream, Yosys, temporary_folder};
+use raypath_traversal::UnitNetlist;
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 #[derive(Debug, Args)]
+#[command(after_help = not_with_unit())]
 pub struct Arguments {
     #[command(flatten)]
     datapath: DatapathArguments,
-    /// The FPGA: ecp5-25k, ecp5-45k or ecp5-85k
+    /// Place and route the traversal unit with this datapath inside, between two shift registers
+    #[arg(long, conflicts_with_all = ["loopback", "connect", "stream"])]
+    unit: bool,
+    #[command(flatten)]
+    parameters: UnitArguments,
+    /// The FPGA: ecp5-25k, ecp5-45k or ecp5-85k; or xilinx-7 or xilinx-ultrascale-plus, for the cells without a clock
     #[arg(long, default_value = "ecp5-85k")]
     device: Device,
-    /// Its speed grade; 6 is the slowest
-    #[arg(long, default_value_t = 6, value_parser = whole(6_u8..=8))]
-    speed: u8,
+    /// Its speed grade; 6 is the slowest. Other grades after the first are placed and routed for their clocks only
+    #[arg(long, default_value = "6", value_parser = whole(6_u8..=8), value_delimiter = ',', value_name = "GRADE,...")]
+    speed: Vec<u8>,
     /// The clock that placement and routing aim at, in MHz; not a limit
     #[arg(long, default_value_t = 70.0, value_parser = number(1.0..=1000.0, "MHz, 1 to 1000"), value_name = "MHZ")]
     clock: f64,
     /// Seed of the placement
     #[arg(long, default_value_t = 1)]
     placement: u32,
+    /// Place and route with this number of seeds, from --placement on, and keep the fastest; from 1 to 1000
+    #[arg(long, default_value_t = 1, value_parser = whole(1_u32..=1000))]
+    seeds: u32,
+    /// Instead of an implementation, write a project for Vivado or Quartus: vivado or quartus
+    #[arg(long, conflicts_with_all = ["loopback", "connect"])]
+    project: Option<Project>,
     /// The bits of a word of the streams around the datapath
     #[arg(long, default_value = "8", value_parser = stream(), value_name = "BITS")]
     stream: StreamWidth,
@@ -66,6 +83,13 @@ fn stream() -> impl TypedValueParser<Value = StreamWidth> {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let (config, datapath) = arguments.datapath.datapath()?;
+    if arguments.unit {
+        let parameters = arguments.parameters.parameters();
+        let unit = UnitNetlist::new(config, parameters).map_err(CliError::unusable)?;
+        let name = format!("traversal unit, {parameters}, around {}", arguments.datapath.name(config));
+        return report(arguments, &name, &unit.top, || Ok(reduced(&unit.top)?), out);
+    }
+    arguments.parameters.expect_none("--unit")?;
     let elaborated = datapath.elaborate()?;
     let shell = Shell::new(elaborated.top(), arguments.stream)?;
     match &arguments.connect {
@@ -102,48 +126,68 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
             },
             out,
         ),
-        None => implement(arguments, config, &shell, out),
+        None => {
+            let name = arguments.datapath.name(config);
+            report(arguments, &name, elaborated.top(), || Ok(shell.top.clone()), out)
+        }
     }
 }
 
-fn implement(arguments: &Arguments, config: Config, shell: &Shell, out: &mut dyn Write) -> Result<(), CliError> {
-    let Arguments { device, speed, clock, placement, cache, out: folder, .. } = arguments;
-    let flow = Flow { yosys: Yosys::find(None)?, nextpnr: Nextpnr::find()?, cache: cache.clone() };
-    let target = Target { device: *device, speed: *speed, clock_mhz: *clock, seed: *placement };
-    let name = arguments.datapath.name(config);
-    let mut reached = 0;
-    let mut progress = Progress::new("steps", 3);
-    let implemented = flow.implement(&name, shell, target, |steps| {
-        reached = steps.done as usize;
-        progress.at(reached)
-    });
-    match progress.finish(reached) {
-        Ok(()) => {}
-        Err(Stopped { .. }) if implemented.is_ok() => {}
-        Err(stopped) => return Err(CliError::Stopped(format!("{stopped}; {RESUMES}"))),
+/// Writes a project, or the report of a design with its files: in its shell, with a bitstream, or on Xilinx's alone.
+fn report(
+    arguments: &Arguments,
+    name: &str,
+    design: &Arc<Module>,
+    shell: impl FnOnce() -> Result<Arc<Module>, CliError>,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    let Arguments { device, clock, out: folder, placement, .. } = arguments;
+    let text = |module| -> Result<String, CliError> {
+        Ok(verilog::sources(module, &[])?.into_iter().map(|source| source.text).collect())
+    };
+    let write = |files: Vec<(String, Vec<u8>)>| -> Result<String, CliError> {
+        let names = files.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
+        write_all(&files.into_iter().map(|(name, bytes)| (folder.join(name), bytes)).collect::<Vec<_>>())?;
+        Ok(format!("Wrote {names} to {}.", folder.display()))
+    };
+    if let Some(project) = arguments.project {
+        let files = project.files(design, &text(design)?, *clock).map(|(name, text)| (name, text.into()));
+        return Ok(writeln!(out, "{} Not run here; project.tcl says how.", write(files.into())?)?);
     }
-    let Implementation { report, configuration, bitstream } = implemented?;
-    let mut text = String::new();
-    verilog::sources(&shell.top, &[])?.into_iter().for_each(|source| text += &source.text);
-    let file = |name: &str, bytes: Vec<u8>| (folder.join(name), bytes);
-    write_all(&[
-        file("raypath_shell.sv", text.into()),
-        file("fpga.json", (json(&report)? + "\n").into()),
-        file("shell.config", configuration.into()),
-        file("shell.bit", bitstream),
-    ])?;
+    let top = if device.is_xilinx() { design.clone() } else { shell()? };
+    let seeds = *placement..placement.saturating_add(arguments.seeds);
+    let target = |speed: &u8, seed| Target { device: *device, speed: *speed, clock_mhz: *clock, seed };
+    let targets = arguments.speed.iter().flat_map(|speed| seeds.clone().map(move |seed| target(speed, seed)));
+    let targets: Vec<Target> = targets.collect();
+    let flow = Flow { yosys: Yosys::find(None)?, cache: arguments.cache.clone() };
+    let Implementation { report, configuration, bitstream } =
+        resumable(|watch| Ok(flow.implement(name, &top, &targets, watch)?))?;
+    let mut files = vec![
+        (format!("{}.sv", top.name()), text(&top)?.into()),
+        ("fpga.json".to_string(), (json(&report)? + "\n").into()),
+        ("shell.config".to_string(), configuration.into()),
+        ("shell.bit".to_string(), bitstream),
+    ];
+    files.retain(|(_, bytes): &(_, Vec<u8>)| !bytes.is_empty());
+    let written = write(files)?;
     if arguments.json {
-        writeln!(out, "{}", json(&report)?)?;
-        return Ok(());
+        return Ok(writeln!(out, "{}", json(&report)?)?);
     }
-    writeln!(out, "raypath {}: {name}\n", env!("CARGO_PKG_VERSION"))?;
-    writeln!(out, "{}\n\n{}\n", tables::stages(&report), tables::path(&report))?;
-    writeln!(out, "{}", tables::summary(&report))?;
+    show(&report, out)?;
+    Ok(writeln!(out, "\n{written}")?)
+}
+
+fn show(report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
+    writeln!(out, "raypath {}: {}\n", env!("CARGO_PKG_VERSION"), report.design)?;
+    writeln!(out, "{}\n", tables::stages(report))?;
+    if let Some(routed) = &report.routed {
+        writeln!(out, "{}\n", tables::path(routed))?;
+        writeln!(out, "{}\n", tables::runs(routed))?;
+    }
+    writeln!(out, "{}", tables::summary(report))?;
     if report.cells.multipliers == 0 {
         writeln!(out, "Multipliers are gates; with --multiplier inferred they are those of the FPGA.")?;
     }
-    let files = ["raypath_shell.sv", "fpga.json", "shell.config", "shell.bit"].join(", ");
-    writeln!(out, "\nWrote {files} to {}.", folder.display())?;
     Ok(())
 }
 
