@@ -80,7 +80,7 @@ fn describe(format: Format, m: &Builder, with_flags: bool, completes: bool) {
         true => (sum.named("without_carry"), m.constant(s + 1, 0)),
         false => (propagate, (sum ^ propagate).named("carries")),
     };
-    let tail = smaller.lower(3).named("tail");
+    let tail = smaller.lower(3).hint("tail");
 
     m.section("Round");
     let reach = (propagate ^ (propagate + m.constant(s + 1, 1)).hint("plus_one")).named("reach");

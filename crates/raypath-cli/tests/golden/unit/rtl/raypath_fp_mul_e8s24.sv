@@ -29,7 +29,10 @@ module raypath_fp_mul_e8s24 (
   logic [9:0] exponent_sum;
   logic       vanishes;
   logic       overflows;
-  logic       nan_t1;
+  logic       a_infinite;
+  logic       b_infinite;
+  logic       a_zero;
+  logic       b_zero;
   logic       nan;
   logic       special;
   logic       settled;
@@ -39,23 +42,23 @@ module raypath_fp_mul_e8s24 (
   assign exponent_sum = {1'b0, a_i[31:23]} + {1'b0, b_i[31:23]};
   assign vanishes     = exponent_sum < MinExpSum;
   assign overflows    = ~(exponent_sum < InfiniteExpSum);
-  assign nan_t1       = ((a_i[31:29] == ClassZero) & (b_i[31:29] == ClassInfinity)) | ((a_i[31:29]
-      == ClassInfinity) & (b_i[31:29] == ClassZero));
-  assign nan          = (a_i[31:29] == ClassNan) | (b_i[31:29] == ClassNan) | nan_t1;
-  assign special      = nan | (a_i[31:29] == ClassInfinity) | (b_i[31:29] == ClassInfinity) |
-      overflows;
-  assign settled      = special | (a_i[31:29] == ClassZero) | (b_i[31:29] == ClassZero) | vanishes;
+  assign a_infinite   = a_i[31:29] == ClassInfinity;
+  assign b_infinite   = b_i[31:29] == ClassInfinity;
+  assign a_zero       = a_i[31:29] == ClassZero;
+  assign b_zero       = b_i[31:29] == ClassZero;
+  assign nan          = (a_i[31:29] == ClassNan) | (b_i[31:29] == ClassNan) | (a_zero & b_infinite)
+      | (a_infinite & b_zero);
+  assign special      = nan | a_infinite | b_infinite | overflows;
+  assign settled      = special | a_zero | b_zero | vanishes;
   assign exponent     = settled ? {{2{special}}, nan, 6'd0} : exponent_sum[8:0] - Bias;
   assign sign         = (a_i[32] ^ b_i[32]) & ~nan;
 
   // ---- Multiples ------------------------------------------------------------
   logic [23:0] multiplicand;
   logic [24:0] triple_above;
-  logic [23:0] factor;
 
   assign multiplicand = {1'b1, a_i[22:0]};
   assign triple_above = {2'd0, multiplicand[23:1]} + {1'b0, multiplicand};
-  assign factor       = {1'b1, multiplicand[22:0]};
 
   // ---- Multiply -------------------------------------------------------------
   logic [25:0] thrice;
@@ -187,10 +190,10 @@ module raypath_fp_mul_e8s24 (
   logic [47:0] addend;
 
   assign padded_multiplier = {1'b0, b_i[22:0], 1'b0};
-  assign once              = {2'd0, factor};
-  assign twice             = {1'b0, factor, 1'b0};
-  assign thrice            = {triple_above, factor[0]};
-  assign four_times        = {factor, 2'd0};
+  assign once              = {2'd0, multiplicand};
+  assign twice             = {1'b0, multiplicand, 1'b0};
+  assign thrice            = {triple_above, multiplicand[0]};
+  assign four_times        = {multiplicand, 2'd0};
   assign steps_0           = padded_multiplier[2:0] ^ padded_multiplier[3:1];
   assign one_0             = steps_0[0] & ~steps_0[2];
   assign two_0             = ~steps_0[0] & steps_0[1];
@@ -294,7 +297,7 @@ module raypath_fp_mul_e8s24 (
   assign carry_1           = {carry_out_1, 1'b0, row_4[2:0]};
   assign x_2               = {1'b0, row_6[30:7]};
   assign y_2               = row_7[28:4];
-  assign z_2               = {1'b0, factor};
+  assign z_2               = {1'b0, multiplicand};
   assign differ_2          = x_2 ^ z_2;
   assign carry_out_2       = (differ_2[23:0] & y_2[23:0]) | (~differ_2[23:0] & x_2[23:0]);
   assign sum_2             = {differ_2 ^ y_2, row_6[6:0]};
