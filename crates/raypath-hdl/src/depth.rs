@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::flatten::loop_free;
 use crate::graph::{Graph, Operation};
-use crate::netlist::{Driver, Module, SignalId};
+use crate::netlist::{Driver, Module, Signal, SignalId};
 use std::sync::Arc;
 
 /// The longest path between registers, memories and ports of `module` and everything inside it: the sum of the delays
@@ -103,6 +103,14 @@ impl Technology {
         self == Self::Luts
     }
 
+    /// When the inputs of a unit arrive: its operands are selected before.
+    pub(crate) fn arrival(self) -> f64 {
+        match self {
+            Self::Gates => 10.0,
+            Self::Luts => 1.2,
+        }
+    }
+
     /// The delay of an operator with operands of these widths, whose result has `width` bits that drive `load` bits
     /// each.
     pub fn delay(self, driver: &Driver, operands: &[u32], width: u32, load: u64) -> f64 {
@@ -153,6 +161,35 @@ fn luts(driver: &Driver, operands: &[u32], width: u32, load: u64) -> f64 {
     };
     // Longer wires.
     if own > 0.0 { own + 0.05 * (load.max(1) as f64).log2() } else { own }
+}
+
+impl Module {
+    /// An estimate of the gates of two inputs of an operator that is not a multiplexer.
+    pub fn gates_of(&self, signal: &Signal) -> f64 {
+        let width = |id: &SignalId| f64::from(self.signal(*id).width);
+        let own = f64::from(signal.width);
+        match &signal.driver {
+            Driver::And(..) | Driver::Or(..) => own,
+            Driver::Not(_) => 0.5 * own,
+            Driver::Xor(..) => 2.0 * own,
+            Driver::Add(..) | Driver::Sub(..) => 6.0 * own,
+            Driver::Mul(a, b) => 6.0 * width(a) * width(b),
+            Driver::Equal(a, _) => 3.0 * width(a),
+            Driver::Less(a, _) => 4.0 * width(a),
+            Driver::Any(a) | Driver::All(a) => width(a),
+            Driver::ShiftLeft(_, amount) | Driver::ShiftRight(_, amount) => 3.0 * own * width(amount),
+            _ => 0.0,
+        }
+    }
+
+    /// An estimate of the gates of two inputs of a module, without its instances.
+    pub(crate) fn gates_of_two_inputs(&self) -> f64 {
+        let gates = |signal: &Signal| match signal.driver {
+            Driver::Mux { .. } => 3.0 * f64::from(signal.width),
+            _ => self.gates_of(signal),
+        };
+        self.signals().iter().map(gates).sum()
+    }
 }
 
 #[cfg(test)]

@@ -15,8 +15,8 @@ use std::sync::Arc;
 /// module itself. A product (`*`) has a part without other gates before or after it, for the registers of an FPGA's
 /// multipliers, if the technology has them.
 ///
-/// No part takes longer than `period`, or than [`shortest_period`] if that is more. A longer period has fewer bits
-/// between the parts.
+/// A longer period has fewer bits between the parts: the period is that for which the period, times the gates of the
+/// module and of the bits, is least. `bit_gates` are those of a bit; with 0 the period is the shortest.
 ///
 /// # Errors
 /// No part; registers, memories or instances in the module.
@@ -24,7 +24,7 @@ pub fn divide(
     module: &Arc<Module>,
     count: u32,
     technology: Technology,
-    period: f64,
+    bit_gates: f64,
 ) -> Result<Vec<Arc<Module>>, Error> {
     let refused = |problem: &str| Error::Name {
         module: module.name.clone(),
@@ -41,16 +41,20 @@ pub fn divide(
         return Ok(vec![module.clone()]);
     }
     let paths = Paths::new(module, technology);
-    let placed = paths.place(count as usize, period.max(paths.shortest_period(count as usize)));
-    let division = Division::new(module, placed, count as usize);
-    Ok((0..count as usize).map(|part| Arc::new(division.part(part))).collect())
+    let gates = module.gates_of_two_inputs();
+    let shortest = paths.shortest_period(count as usize);
+    let longer = LONGER.iter().take(if bit_gates > 0.0 { LONGER.len() } else { 1 });
+    let divisions = longer.map(|longer| {
+        let division = Division::new(module, paths.place(count as usize, shortest * longer), count as usize);
+        let bits: u32 = division.crossing.iter().flat_map(BTreeMap::values).map(|(_, bits)| bits).sum();
+        (shortest * longer * (gates + f64::from(bits) * bit_gates), division)
+    });
+    let best = divisions.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, division)| division);
+    Ok((0..count as usize).filter_map(|part| Some(Arc::new(best.as_ref()?.part(part)))).collect())
 }
 
-/// The shortest period, in the unit of the technology, for which a module without registers or instances has `count`
-/// parts.
-pub fn shortest_period(module: &Arc<Module>, count: u32, technology: Technology) -> f64 {
-    Paths::new(module, technology).shortest_period(count as usize)
-}
+/// The periods that are tried, in shortest ones.
+const LONGER: [f64; 6] = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5];
 
 /// What limits the places of cuts.
 struct Paths<'m> {
@@ -77,6 +81,7 @@ impl<'m> Paths<'m> {
             Driver::ShiftLeft(word, amount) | Driver::ShiftRight(word, amount) if is_constant(module.signal(*word)) => {
                 Some(technology.delay(&Driver::All(*amount), &[width(*amount)], signal.width, loads[index]) + 1.0)
             }
+            Driver::Input => Some(technology.arrival()),
             driver if is_wiring(driver) => Some(0.0),
             driver => {
                 let operands: Vec<u32> = driver.operands().map(width).collect();
@@ -306,13 +311,13 @@ type Bits = (u32, u32);
 
 impl<'m> Division<'m> {
     fn new(module: &'m Module, placed: Vec<usize>, count: usize) -> Self {
-        let mut reads = vec![BTreeMap::new(); count];
+        let mut reads: Vec<BTreeMap<SignalId, Bits>> = vec![BTreeMap::new(); count];
         let mut read = |id: SignalId, bits: Bits, reader: usize| {
             if matches!(module.signal(id).driver, Driver::Constant(_)) {
                 return;
             }
-            for cut in placed[id.index()]..reader {
-                let known = reads[cut].entry(id).or_insert(bits);
+            for reads in reads.iter_mut().take(reader).skip(placed[id.index()]) {
+                let known = reads.entry(id).or_insert(bits);
                 let low = known.0.min(bits.0);
                 *known = (low, (known.0 + known.1).max(bits.0 + bits.1) - low);
             }
@@ -614,9 +619,8 @@ mod tests {
         for (technology, count) in
             [Technology::Gates, Technology::Luts].into_iter().flat_map(|t| (1..9).map(move |c| (t, c)))
         {
-            for longer in [1.0, 1.5] {
-                let period = shortest_period(&whole, count, technology) * longer;
-                let parts = divide(&whole, count, technology, period).expect("parts");
+            for bit_gates in [0.0, 100.0] {
+                let parts = divide(&whole, count, technology, bit_gates).expect("parts");
                 assert_eq!(parts.len(), count as usize);
                 for (a, b) in [(0, 0), (0xfff, 0xfff), (0x123, 0x9ab), (0x801, 0x7ff), (5, 0x2a), (0xc3f, 0x3c)] {
                     let sum = (a + b) & 0xfff;
@@ -631,13 +635,14 @@ mod tests {
     #[test]
     fn a_part_takes_no_longer_than_the_period_and_a_longer_one_has_fewer_bits() {
         let whole = subject();
+        let shortest_period = |count| Paths::new(&whole, Technology::Gates).shortest_period(count as usize);
         let bits = |parts: &[Arc<Module>]| -> u32 {
             parts[1..].iter().flat_map(|part| part.inputs().iter().map(|port| part.signal(port.signal).width)).sum()
         };
         for count in 2..5 {
-            let shortest = shortest_period(&whole, count, Technology::Gates);
-            let [tight, loose] = [shortest, 3.0 * shortest]
-                .map(|period| divide(&whole, count, Technology::Gates, period).expect("parts"));
+            let shortest = shortest_period(count);
+            let [tight, loose] =
+                [0.0, 1e6].map(|bit_gates| divide(&whole, count, Technology::Gates, bit_gates).expect("parts"));
             for part in &tight {
                 let longest =
                     crate::longest_path(part, |d, o, w, l| Technology::Gates.delay(d, o, w, l)).expect("no loop");
@@ -646,7 +651,7 @@ mod tests {
             }
             assert!(bits(&loose) <= bits(&tight), "{count}");
         }
-        let [three, four] = [3, 4].map(|count| shortest_period(&whole, count, Technology::Gates));
+        let [three, four] = [3, 4].map(shortest_period);
         assert!(four <= three);
     }
 

@@ -52,7 +52,7 @@ pub mod wave;
 pub use builder::memory::Memory;
 pub use builder::{Builder, Forward, Register, Wire};
 pub use depth::{Technology, longest_path};
-pub use divide::{divide, shortest_period};
+pub use divide::divide;
 pub use error::Error;
 pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
 pub use expose::{expose_memories, expose_registers, with_enables};

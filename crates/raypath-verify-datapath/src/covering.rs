@@ -10,8 +10,13 @@ use raypath_verify::Error;
 use std::collections::BTreeSet;
 
 /// The values that stand for those of parameters with many: the default first, the least, the greatest.
-const REPRESENTATIVES: [(&str, &[&str]); 3] =
-    [("format", &["fp32", "fp16", "bf16", "e11s24"]), ("box-bits", &["13", "8", "24"]), ("tag", &["0", "1", "32"])];
+const REPRESENTATIVES: [(&str, &[&str]); 5] = [
+    ("format", &["fp32", "fp16", "bf16", "e11s24"]),
+    ("box-bits", &["13", "8", "24"]),
+    ("unit-latency", &["1", "2", "10/7"]),
+    ("delay-lines", &["0", "3"]),
+    ("tag", &["0", "1", "32"]),
+];
 
 /// The values of all parameters, and the combinations that are permitted: those that [`Config::check`] accepts, and a
 /// predicate of the caller. The first values together must be permitted.
@@ -166,13 +171,15 @@ mod tests {
     use std::collections::BTreeMap;
 
     /// The parameters that [`Config::check`] reads.
-    const LIMITED: [&str; 11] = [
+    const LIMITED: [&str; 13] = [
         "rules",
         "box-bits",
         "format",
         "rounding",
+        "control",
         "interval",
         "unit-latency",
+        "delay-lines",
         "clock-gating",
         "edges",
         "conservative",

@@ -2,7 +2,7 @@
 
 use crate::design::is_unit;
 use crate::{Design, Error};
-use raypath_hdl::{Driver, Module, RegisterInfo, Signal, Technology, longest_path};
+use raypath_hdl::{Driver, Module, RegisterInfo, Technology, longest_path};
 use raypath_tools::digest;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ impl Structure {
                 _ => 0,
             };
             self.mux_bits += words * u64::from(signal.width);
-            self.gates += gates(module, signal);
+            self.gates += module.gates_of(signal);
         }
         for RegisterInfo { signal, enable, gated, .. } in module.registers() {
             let bits = u64::from(module.signal(*signal).width);
@@ -66,23 +66,5 @@ impl Structure {
                 false => self.add(&instance.module),
             }
         }
-    }
-}
-
-/// The gates of an operator that is not a multiplexer.
-fn gates(module: &Module, signal: &Signal) -> f64 {
-    let width = |id: &raypath_hdl::SignalId| f64::from(module.signal(*id).width);
-    let own = f64::from(signal.width);
-    match &signal.driver {
-        Driver::And(..) | Driver::Or(..) => own,
-        Driver::Not(_) => 0.5 * own,
-        Driver::Xor(..) => 2.0 * own,
-        Driver::Add(..) | Driver::Sub(..) => 6.0 * own,
-        Driver::Mul(a, b) => 6.0 * width(a) * width(b),
-        Driver::Equal(a, _) => 3.0 * width(a),
-        Driver::Less(a, _) => 4.0 * width(a),
-        Driver::Any(a) | Driver::All(a) => width(a),
-        Driver::ShiftLeft(_, amount) | Driver::ShiftRight(_, amount) => 3.0 * own * width(amount),
-        _ => 0.0,
     }
 }

@@ -90,7 +90,7 @@ impl<'m, 'p> Registers<'m, 'p> {
     pub fn exit(self, depth: u32) -> Result<Wire<'m>, Error> {
         let m = self.at.m;
         if depth > MOST_REGISTERS && !self.is_gated() {
-            return Ok(self.deep_exit(depth)?);
+            return self.deep_exit(depth);
         }
         m.section("Registers: a FIFO with a place for every job that holds a credit");
         let valid = m.input("valid_i", 1);

@@ -1,11 +1,11 @@
 use crate::allocate::plan::Plan;
-use crate::config::Microarchitecture;
+use crate::config::{Control, Microarchitecture};
 use crate::emit::control::{Plain, Skid};
 use crate::ir::graph::{Kind, Op, OperationGraph};
 use crate::ir::position::Step;
 use crate::ir::units::{Unit, UnitKind, UnitWidth, sum_steps};
 use raypath_float::{Format, Narrow};
-use raypath_hdl::{Error, Module, Technology, divide, shortest_period};
+use raypath_hdl::{Error, Module, Technology, divide};
 use raypath_ops::{Direction, Narrowing};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -53,24 +53,45 @@ fn rounding(to: Narrowing) -> Narrow {
     Narrow { bits: to.bits, away: to.direction == Direction::AwayFromZero, margin: to.margin }
 }
 
+impl Microarchitecture {
+    /// The parts of an adder, in order.
+    ///
+    /// # Errors
+    /// A format in which the module cannot be built.
+    pub fn adder(self, format: Format, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
+        match self.unit_latency.sums {
+            1 => Ok(vec![raypath_float::add(format, with_flags)?]),
+            steps => self.divided(&raypath_float::add_to_divide(format, with_flags)?, steps),
+        }
+    }
+
+    /// The parts of a multiplier, in order.
+    ///
+    /// # Errors
+    /// A format in which the module cannot be built.
+    pub fn multiplier_parts(self, format: Format, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
+        self.divided(&raypath_float::mul(format, self.multiplier.product(), with_flags)?, self.unit_latency.products)
+    }
+
+    fn divided(self, unit: &Arc<Module>, steps: u32) -> Result<Vec<Arc<Module>>, Error> {
+        let technology = self.multiplier.technology();
+        // A bit of a register in gates of two inputs; a skid buffer has two, and multiplexers. FPGAs have more registers
+        // than units need.
+        let bit_gates = match (technology, self.control) {
+            (Technology::Luts, _) => 0.0,
+            (Technology::Gates, Control::Skid) => 20.0,
+            (Technology::Gates, Control::Credit) => 8.0,
+        };
+        divide(unit, steps, technology, bit_gates)
+    }
+}
+
 impl Library {
     /// The modules of a plan, whose adders and multipliers report exceptions if `with_flags`.
     pub fn new(plan: &Plan, with_flags: bool) -> Result<Self, Error> {
         let Microarchitecture { unit_latency, multiplier, .. } = plan.microarchitecture;
         let (format, product) = (plan.format, multiplier.product());
-        let technology = multiplier.technology();
-        let add = match unit_latency.sums {
-            1 => raypath_float::add(format, with_flags)?,
-            _ => raypath_float::add_to_divide(format, with_flags)?,
-        };
-        let multiply = raypath_float::mul(format, product, with_flags)?;
-        // The units are divided for one period, so that those with time to spare pass on few bits.
-        let periods = [(&add, unit_latency.sums), (&multiply, unit_latency.products)];
-        let period =
-            periods.map(|(unit, steps)| shortest_period(unit, steps, technology)).into_iter().fold(0.0, f64::max);
-        // Registers cost more than the last of the time that they could save.
-        let period = if technology == Technology::Gates { period * 1.2 } else { period };
-        let divided = |unit, steps| divide(&unit, steps, technology, period);
+        let divided = |unit, steps| plan.microarchitecture.divided(&unit, steps);
         let mut numbers = BTreeMap::new();
         for width in plan.operations.iter().flat_map(word_widths) {
             numbers.insert(width, raypath_float::number(format, width)?);
@@ -108,9 +129,9 @@ impl Library {
             register: Plain::buffer()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
-            add: divided(add, unit_latency.sums)?,
+            add: plan.microarchitecture.adder(format, with_flags)?,
             sum,
-            multiply: divided(multiply, unit_latency.products)?,
+            multiply: plan.microarchitecture.multiplier_parts(format, with_flags)?,
             residue: has_residue.then(|| raypath_float::mul_with_residue(format, product)).transpose()?,
             compare: raypath_float::compare(format)?,
             narrow: narrow.transpose()?,

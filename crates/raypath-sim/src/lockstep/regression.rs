@@ -20,11 +20,16 @@ pub const CONFIGS: [Config; 10] = [
     Config::DEFAULT.lanes(Lanes::Two).unit_latency(UnitLatency::TWO),
     Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).unit_latency(UnitLatency::TWO),
     Config::DEFAULT.lanes(Lanes::Two).interval(Interval::Four),
-    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).interval(Interval::Two),
+    Config::DEFAULT
+        .lanes(Lanes::Two)
+        .control(Control::Credit)
+        .interval(Interval::Two)
+        .unit_latency(UnitLatency { sums: 3, products: 2 }),
     Config::DEFAULT
         .lanes(Lanes::None)
         .control(Control::Credit)
-        .unit_latency(UnitLatency::THREE)
+        .unit_latency(UnitLatency { sums: 7, products: 5 })
+        .delay_lines(4)
         .multiplier(Multiplier::Inferred),
     Config::DEFAULT.lanes(Lanes::None).format(Format::BINARY16).sharing(Sharing::Segregated),
     Config::DEFAULT.lanes(Lanes::None).format(Format::TF32).control(Control::Credit).registers(Encoding::Ieee),

@@ -2,7 +2,7 @@
 
 use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_hdl::{Module, Simulator, divide};
+use raypath_hdl::{Module, Simulator};
 use raypath_rtl::Config;
 use raypath_verify::Error;
 use raypath_verify_arithmetic::units::bench::{UnitResults, chain};
@@ -28,13 +28,10 @@ enum Kind {
 impl Unit {
     /// The unit of a binary32 configuration with a part of this name.
     pub fn of(config: Config, name: &str) -> Result<Option<Self>, Error> {
-        let (format, steps) = (config.semantics.format, config.microarchitecture.unit_latency);
-        let multiplier = config.microarchitecture.multiplier;
-        let (multiply, technology) =
-            (raypath_float::mul(format, multiplier.product(), false)?, multiplier.technology());
+        let (format, built) = (config.semantics.format, config.microarchitecture);
         let units = [
-            (Kind::Add, divide(&raypath_float::add(format, false)?, steps.sums, technology, 0.0)?),
-            (Kind::Multiply, divide(&multiply, steps.products, technology, 0.0)?),
+            (Kind::Add, built.adder(format, false)?),
+            (Kind::Multiply, built.multiplier_parts(format, false)?),
             (Kind::Compare, vec![raypath_float::compare(format)?]),
             (Kind::Encode, vec![raypath_float::encode(format)?]),
             (Kind::Decode, vec![raypath_float::decode(format)?]),

@@ -11,8 +11,8 @@ use super::words::{canonical_form, encoders, is_canonical, is_nan};
 use super::{short, sum};
 use crate::units::bench::{chain, unrolled};
 use raypath_float::{
-    DivSqrt, Format, Narrow, Product, add, compare, compare_narrow, decode, decode_narrow, encode, mul, mul_narrow,
-    narrow, sum,
+    DivSqrt, Format, Narrow, Product, add, add_to_divide, compare, compare_narrow, decode, decode_narrow, encode, mul,
+    mul_narrow, narrow, sum,
 };
 use raypath_hdl::{Module, Technology, divide};
 use raypath_verify::Error;
@@ -99,7 +99,8 @@ impl Unit {
     /// The unit in parts.
     fn parts(self, f: Format, count: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, raypath_hdl::Error> {
         match self {
-            Self::Add => divide(&add(f, with_flags)?, count, Technology::Gates, 0.0),
+            Self::Add if count == 1 => Ok(vec![add(f, with_flags)?]),
+            Self::Add => divide(&add_to_divide(f, with_flags)?, count, Technology::Gates, 0.0),
             Self::Mul => divide(&mul(f, Product::Booth, with_flags)?, count, Technology::Gates, 0.0),
             Self::MulInferred => divide(&mul(f, Product::Inferred, with_flags)?, count, Technology::Luts, 0.0),
             Self::Div => DivSqrt::Quotient.parts(f, count),
