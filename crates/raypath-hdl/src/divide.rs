@@ -300,6 +300,8 @@ impl Network {
 struct Division<'m> {
     module: &'m Module,
     placed: Vec<usize>,
+    /// Whether an output needs a signal, or it is marked as unused by intention. The others are in no part.
+    is_kept: Vec<bool>,
     /// The signals that cross each cut, with the bits that are read behind it.
     crossing: Vec<BTreeMap<SignalId, Bits>>,
     /// The stems of the ports of crossing signals.
@@ -322,14 +324,15 @@ impl<'m> Division<'m> {
                 *known = (low, (known.0 + known.1).max(bits.0 + bits.1) - low);
             }
         };
-        for (index, signal) in module.signals.iter().enumerate() {
+        let is_kept = kept(module);
+        for (index, signal) in module.signals.iter().enumerate().filter(|(index, _)| is_kept[*index]) {
             signal
                 .driver
                 .operands()
                 .for_each(|operand| read(operand, bits_read(module, signal, operand), placed[index]));
         }
         module.outputs.iter().for_each(|port| read(port.signal, (0, module.signal(port.signal).width), count - 1));
-        let mut division = Self { module, placed, crossing: reads, stems: BTreeMap::new() };
+        let mut division = Self { module, placed, is_kept, crossing: reads, stems: BTreeMap::new() };
         let ids: Vec<SignalId> = division.crossing.iter().flat_map(BTreeMap::keys).copied().collect();
         let mut taken = HashSet::new();
         for id in ids {
@@ -404,6 +407,23 @@ impl<'m> Division<'m> {
     }
 }
 
+/// The signals that outputs need, and those that are marked as unused with what they need.
+fn kept(module: &Module) -> Vec<bool> {
+    let mut is_kept = vec![false; module.signals.len()];
+    let mut open: Vec<SignalId> = module.outputs.iter().map(|port| port.signal).collect();
+    for item in &module.items {
+        if let Item::Unused(_, ids) = item {
+            open.extend(ids);
+        }
+    }
+    while let Some(id) = open.pop() {
+        if !std::mem::replace(&mut is_kept[id.index()], true) {
+            open.extend(module.signal(id).driver.operands());
+        }
+    }
+    is_kept
+}
+
 /// The bits of an operand that a signal reads.
 fn bits_read(module: &Module, signal: &Signal, operand: SignalId) -> Bits {
     match signal.driver {
@@ -451,10 +471,11 @@ impl Part<'_> {
 
     /// Copies the signals that are computed here.
     fn copy(&mut self) {
-        let Division { module, placed, .. } = self.division;
+        let Division { module, placed, is_kept, .. } = self.division;
         for (index, signal) in module.signals.iter().enumerate() {
             let id = SignalId(index as u32);
-            let is_here = placed[index] == self.number && !matches!(signal.driver, Driver::Constant(_));
+            let is_here =
+                is_kept[index] && placed[index] == self.number && !matches!(signal.driver, Driver::Constant(_));
             if !is_here || self.inside.contains_key(&id) {
                 continue;
             }
@@ -599,6 +620,8 @@ mod tests {
         m.output("early_o", a.top());
         m.output("result_o", result);
         m.unused("unused_b", &[b.top()]);
+        // Nothing reads it.
+        let _ = product.any() & !shifted.any();
         m.finish().expect("a module")
     }
 
@@ -622,6 +645,13 @@ mod tests {
             for bit_gates in [0.0, 100.0] {
                 let parts = divide(&whole, count, technology, bit_gates).expect("parts");
                 assert_eq!(parts.len(), count as usize);
+                for (part, next) in parts.iter().zip(&parts[1..]) {
+                    let read: Vec<SignalId> = next.signals.iter().flat_map(|signal| signal.driver.operands()).collect();
+                    let is_read = |port: &Port| {
+                        read.contains(&port.signal) || next.outputs.iter().any(|output| output.signal == port.signal)
+                    };
+                    assert!(next.inputs.iter().all(is_read), "{}, {}", part.name, next.name);
+                }
                 for (a, b) in [(0, 0), (0xfff, 0xfff), (0x123, 0x9ab), (0x801, 0x7ff), (5, 0x2a), (0xc3f, 0x3c)] {
                     let sum = (a + b) & 0xfff;
                     let shifted = ((sum & 63) * (b & 63)) >> (a & 15);

@@ -75,12 +75,12 @@ impl Microarchitecture {
 
     fn divided(self, unit: &Arc<Module>, steps: u32) -> Result<Vec<Arc<Module>>, Error> {
         let technology = self.multiplier.technology();
-        // A bit of a register in gates of two inputs; a skid buffer has two, and multiplexers. FPGAs have more registers
-        // than units need.
+        // The weight of a bit that crosses a cut: a skid buffer has two registers for it, and multiplexers. FPGAs have
+        // registers enough.
         let bit_gates = match (technology, self.control) {
             (Technology::Luts, _) => 0.0,
-            (Technology::Gates, Control::Skid) => 20.0,
-            (Technology::Gates, Control::Credit) => 8.0,
+            (Technology::Gates, Control::Skid) => 60.0,
+            (Technology::Gates, Control::Credit) => 25.0,
         };
         divide(unit, steps, technology, bit_gates)
     }
