@@ -106,7 +106,7 @@ impl Technology {
     /// When the inputs of a unit arrive: its operands are selected before.
     pub(crate) fn arrival(self) -> f64 {
         match self {
-            Self::Gates => 10.0,
+            Self::Gates => 20.0,
             Self::Luts => 1.2,
         }
     }

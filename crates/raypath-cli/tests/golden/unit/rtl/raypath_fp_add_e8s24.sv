@@ -87,13 +87,11 @@ module raypath_fp_add_e8s24 (
   logic [23:0] addend;
   logic [24:0] propagate;
   logic [24:0] carries;
-  logic [2:0]  tail;
 
   assign augend    = {1'b1, larger_fraction} ^ {24{subtract}};
   assign addend    = smaller[26:3];
   assign propagate = {1'b0, augend ^ addend};
   assign carries   = ({1'b0, augend} + {1'b0, addend}) ^ propagate;
-  assign tail      = smaller[2:0];
 
   // ---- Round ----------------------------------------------------------------
   logic [24:0] reach;
@@ -123,11 +121,11 @@ module raypath_fp_add_e8s24 (
 
   assign reach           = propagate ^ (propagate + 25'd1);
   assign carry_out       = propagate[24] ^ carries[24];
-  assign below_guard     = tail[1] | tail[0];
-  assign inexact         = tail[2] | below_guard;
+  assign below_guard     = smaller[1] | smaller[0];
+  assign inexact         = smaller[2] | below_guard;
   assign borrow          = subtract & inexact;
-  assign half            = tail[2] ^ (subtract & below_guard);
-  assign quarter         = tail[1] ^ (subtract & tail[0]);
+  assign half            = smaller[2] ^ (subtract & below_guard);
+  assign quarter         = smaller[1] ^ (subtract & smaller[0]);
   assign next            = propagate[1] ^ carries[1];
   assign carry_two       = subtract | (propagate[0] & (inexact | next));
   assign carry_one       = borrow ^ (half & (below_guard | propagate[0]));
@@ -138,7 +136,7 @@ module raypath_fp_add_e8s24 (
   assign invert          = subtract & ~carry_out;
   assign rounded         = propagate[23:0] ^ rounded_carries[23:0] ^ {24{invert}};
   assign carried         = (propagate[24] ^ rounded_carries[24]) & ~subtract;
-  assign below           = half ^ (quarter & (tail[0] | half));
+  assign below           = half ^ (quarter & (smaller[0] | half));
   assign sum             = {carried, rounded, below};
   assign overflow        = carried & (larger_exponent == MaxExp);
   assign cancelled       = subtract & reach[24] & ~inexact;
