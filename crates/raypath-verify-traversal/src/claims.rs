@@ -141,7 +141,7 @@ claims! {
         takes: "take = arrivals_valid & (~busy_q | ends)" => "take = ~busy_q | ends";
         fault_only: "offer   = busy_q & ~failed_q" => "offer   = busy_q";
         each_job: "place_q <= take ? 2'd0 : next_place" => "place_q <= next_place";
-        words: "if (take | leaves) begin" => "if (take | offer) begin";
+        words: "if (take | leaves)" => "if (take | offer)";
         fault_only: "(fault & fault_taken_i)" => "fault";
     }
     "raypath_unit_hits" in Plain: include_str!("properties/hits.sv"),
@@ -206,7 +206,7 @@ claims! {
     "raypath_unit_entries" in Instances: include_str!("properties/entries.sv"),
         None, set_up; "enters_instance_o && p_waits_q[3:0] == 9"; {
         new_ray_waits: "chosen = waits & ~(yields_q & free_i)" => "chosen = waits";
-        own_origin: "if (is_origin) begin" => "if (transformed_valid_i) begin";
+        own_origin: "if (is_origin)" => "if (transformed_valid_i)";
         every_five: "ready_o             = ready & ~chosen" => "ready_o             = ready";
         enters: "~transformed_is_last_i | (chosen & ready)" => "~transformed_is_last_i | chosen";
         own_context: "chosen ? transformed_context_i : context_i" => "chosen ? context_i : transformed_context_i";
@@ -227,7 +227,7 @@ claims! {
         order: "ends = enters & is_second_q" => "ends = enters";
         order: "moves   = ~is_complete | ready_i" => "moves   = 1'b1";
         progress: "is_complete = divider_valid & divider_tag[0]" => "is_complete = divider_valid";
-        both: "if (divider_valid & ~divider_tag[0]) begin" => "if (divider_valid) begin";
+        both: "if (divider_valid & ~divider_tag[0])" => "if (divider_valid)";
         no_hit: "decode_ieee & {32{divider_tag[1]}}" => "decode_ieee";
     }
     "raypath_unit_issue" in Quantised: include_str!("properties/issue.sv"),

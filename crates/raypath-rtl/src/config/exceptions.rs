@@ -34,7 +34,7 @@ pub struct Choice {
 const FOLDED: Choice = choice("interval", "above 1", |c| c.microarchitecture.interval != Interval::One);
 const DIVIDED: Choice = choice("unit-latency", "above 1", |c| c.microarchitecture.unit_latency.is_divided());
 const DIVIDED_AND_FOLDED: Choice =
-    choice("unit-latency", "above 1 with an interval above 1", |c| (DIVIDED.holds)(c) && (FOLDED.holds)(c));
+    choice("unit-latency", "above 1 with interval above 1", |c| (DIVIDED.holds)(c) && (FOLDED.holds)(c));
 const GATED: Choice = choice("clock-gating", "true", |c| c.microarchitecture.clock_gating);
 const DELAYED: Choice = choice("delay-lines", "above 0", |c| c.microarchitecture.delay_lines > 0);
 const SKID: Choice = choice("control", "skid", |c| c.microarchitecture.control == Control::Skid);

@@ -4,7 +4,7 @@
 //! product:
 //!
 //! 1. The reference multiplies `M` and `N`, unless an operand is zero, infinite or NaN.
-//! 2. `factor` is `M`, and `thrice` is `3 M`.
+//! 2. `multiplicand` is `M`, and `thrice` is `3 M`.
 //! 3. Each row and its correction are a digit of `N` times `M`, plus a constant and the correction of the row above.
 //! 4. Each row of full adders keeps the sum of its three rows.
 //! 5. The product's upper bits, and whether a lower one is set, are those of the sum of the last two rows.
@@ -209,11 +209,11 @@ impl Unit {
         let (s, _) = self.widths();
         let statement = format!(
             "wire [{}:0] significand = {{1'b1, a_i[{}:0]}};\n\
-             assign differ = factor != significand || thrice != significand + (significand << 1);",
+             assign differ = multiplicand != significand || thrice != significand + (significand << 1);",
             s + 1,
             s - 2
         );
-        let (takes, gives) = (self.signals(&["a_i"])?, self.signals(&["factor", "thrice"])?);
+        let (takes, gives) = (self.signals(&["a_i"])?, self.signals(&["multiplicand", "thrice"])?);
         let fault = Fault::new("triple_above", " + ", " - ");
         Ok(self.lemma("multiples".to_string(), takes, gives, statement, fault))
     }
@@ -252,7 +252,7 @@ impl Unit {
             rows.push(row);
         }
         // The multiplier's hidden bit.
-        let factor = self.text.signal("factor")?;
+        let factor = self.text.signal("multiplicand")?;
         let sum = || Sum::new(self.columns());
         equations.push(Equation {
             left: sum().plus_signal(&factor, n - 1),
@@ -307,7 +307,7 @@ impl Unit {
         let equation = Equation { left, right };
         let case = |bits: u32| {
             let value = digit(bits);
-            let magnitudes = ["factor", "factor << 1", "thrice", "factor << 2"];
+            let magnitudes = ["multiplicand", "multiplicand << 1", "thrice", "multiplicand << 2"];
             let magnitude = magnitudes[(value.unsigned_abs() as usize).checked_sub(1)?];
             Some(format!("4'd{bits}: digit = {}({magnitude});\n", if value < 0 { "-" } else { "" }))
         };
@@ -324,7 +324,7 @@ impl Unit {
             3 * number,
             self.differ(&equation),
         );
-        let takes = self.signals(&["b_i", "factor", "thrice"])?.into_iter().chain(above).collect();
+        let takes = self.signals(&["b_i", "multiplicand", "thrice"])?.into_iter().chain(above).collect();
         let gives = std::iter::once(row.clone()).chain(correction).collect();
         let fault = Fault::new(format!("three_{number}"), "&", "|");
         let lemma = self.lemma(format!("row {number}"), takes, gives, statement, fault);

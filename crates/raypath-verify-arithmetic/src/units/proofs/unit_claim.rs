@@ -115,7 +115,7 @@ impl Unit {
 
     /// The operation in `symfpu`, a deliberate fault, and the name in messages.
     fn description(self) -> (&'static str, (&'static str, &'static str), &'static str) {
-        const PRODUCT: (&str, &str) = ("= exponent_sum < ", "= exponent_sum <= ");
+        const PRODUCT: (&str, &str) = (" < MinExpSum", " <= MinExpSum");
         match self {
             Self::Add => ("add", ("~(half & quarter)", "~(half | quarter)"), "addition"),
             Self::Mul => ("mul", PRODUCT, "multiplication"),
@@ -142,7 +142,7 @@ impl UnitClaim {
             Self::Rounds(unit, operands) => rounds(f, unit, operands)?,
             Self::Parts(unit, count) => {
                 let (_, fault, name) = unit.description();
-                let sides = [chain(&unit.parts(f, count, false)?)?, unit.whole(f, false)?];
+                let sides = [unit.whole(f, false)?, chain(&unit.parts(f, count, false)?)?];
                 Claim { name: format!("{name} in {count} parts"), fault, ..alike(&sides)? }
             }
             Self::WithFlags(unit) => {
@@ -279,7 +279,8 @@ impl UnitClaim {
             }
             Self::ShortProductParts(to, count) => {
                 let whole = mul_narrow(f, to.bits, to)?;
-                let sides = [chain(&divide(&whole, count, Technology::Gates, 0.0)?)?, whole];
+                let divided = chain(&divide(&whole, count, Technology::Gates, 0.0)?)?;
+                let sides = [whole, divided];
                 let name = format!("multiplication of {} bits in {count} parts", to.bits);
                 Claim { name, fault: ("< LeastKept", "<= LeastKept"), ..alike(&sides)? }
             }
