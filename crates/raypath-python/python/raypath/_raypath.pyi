@@ -299,7 +299,8 @@ class Datapath:
         sharing: Literal["union", "segregated"] = ...,
         units: Literal["shared", "disjoint"] = ...,
         interval: Literal[1, 2, 4, 8] = ...,
-        unit_latency: Literal[1, 2, 3] = ...,
+        unit_latency: int | str = ...,
+        delay_lines: int = ...,
         clock_gating: bool = ...,
         multiplier: Literal["booth", "inferred"] = ...,
         tag: int = ...,
@@ -885,7 +886,7 @@ class Unit:
         registers: Literal["ieee", "recoded"] = ...,
         control: Literal["skid", "credit"] = ...,
         sharing: Literal["union", "segregated"] = ...,
-        unit_latency: Literal[1, 2, 3] = ...,
+        unit_latency: int | str = ...,
         barycentrics: bool = ...,
         edges: Literal["shared", "once"] = ...,
     ) -> Unit: ...
