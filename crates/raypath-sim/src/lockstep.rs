@@ -87,7 +87,7 @@ pub fn lockstep(
 /// Measures latency and initiation interval at the ports of an engine, with a reset before and after. `job` may be of
 /// any operation. `None` if the engine shows no outcome.
 pub fn timing(engine: &mut dyn Engine, job: &Words) -> Option<Timing> {
-    const LONG_ENOUGH: u64 = 2000;
+    const LONG_ENOUGH: u64 = 4000;
     const STREAM: usize = 100;
     engine.reset();
     engine.present(job);
