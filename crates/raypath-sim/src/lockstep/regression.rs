@@ -106,7 +106,8 @@ impl RegressionChecks {
         expect((found.jobs + found.lost, found.different) == (count, 0), || {
             format!("{} jobs and {} that were lost: {:#?}", found.jobs, found.lost, found.differences)
         })?;
-        let is_mixed = kinds.iter().all(|&kind| found.jobs_of(kind) > count / 6);
+        // Resets lose the jobs inside, of which a deep pipeline has hundreds.
+        let is_mixed = kinds.iter().all(|&kind| found.jobs_of(kind) > count / 10);
         expect(is_mixed, || format!("jobs by opcode: {:?}", found.by_opcode))?;
         expect(found.stalled > 100, || format!("{} cycles stalled", found.stalled))
     }
