@@ -31,7 +31,7 @@ pub fn longest_path(module: &Arc<Module>, delay: impl Fn(&Driver, &[u32], u32, u
         let (width, load) = (graph.nodes[node.index()].width, loads[node.index()]);
         arrivals[node.index()] = match &graph.nodes[node.index()].operation {
             // Wires alone: their source drives what they drive.
-            Operation::Operator(Driver::Alias(_) | Driver::Concat(_) | Driver::Slice { .. }) => begin,
+            Operation::Operator(driver) if driver.is_wiring() => begin,
             Operation::Operator(driver) => begin + delay(driver, &widths, width, load),
             Operation::Register(register) => delay(&Driver::Register(*register), &[], width, load),
             _ => delay(&Driver::Input, &[], width, load),

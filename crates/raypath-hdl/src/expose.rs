@@ -1,5 +1,6 @@
 //! Modules without state, for proofs about next values of registers.
 
+use crate::names::fresh;
 use crate::netlist::{Driver, Item, Module, Port, Signal, SignalId, changed, remade};
 use crate::text::Text;
 use std::collections::HashSet;
@@ -149,9 +150,7 @@ impl Open {
 
     /// Reserves and returns `name`, or `name_2` and so on if it is taken.
     pub fn fresh(&mut self, name: String) -> String {
-        let numbered = (2..).map(|number| format!("{name}_{number}"));
-        let mut names = std::iter::once(name.clone()).chain(numbered);
-        names.find(|name| self.taken.insert(name.clone())).unwrap_or(name)
+        fresh(&mut self.taken, &name)
     }
 }
 

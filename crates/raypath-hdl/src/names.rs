@@ -1,5 +1,7 @@
 //! Valid names for the printed text.
 
+use std::collections::HashSet;
+
 /// The words of SystemVerilog (IEEE 1800-2017, Annex B).
 const KEYWORDS: &str = "
     accept_on alias always always_comb always_ff always_latch and assert assign assume automatic before begin bind
@@ -36,6 +38,13 @@ const CPP_COMMON_WORDS: &str = "
     atomic_cancel atomic_commit atomic_noexcept cdecl deque far huge iterator list map near pascal queue sc_in sc_signal
     set stack synchronized transaction_safe transaction_safe_dynamic uint32_t uint8_t vector
 ";
+
+/// Reserves and returns `name`, or `name_2` and so on if it is taken.
+pub fn fresh(taken: &mut HashSet<String>, name: &str) -> String {
+    let numbered = (2..).map(|number| format!("{name}_{number}"));
+    let mut names = std::iter::once(name.to_string()).chain(numbered);
+    names.find(|name| taken.insert(name.clone())).unwrap_or_default()
+}
 
 /// The reason why `name` is not a valid identifier in SystemVerilog for Verilator, or `None` if it is valid.
 pub fn problem(name: &str) -> Option<&'static str> {

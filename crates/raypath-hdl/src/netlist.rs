@@ -271,6 +271,11 @@ impl Driver {
         self.operand_references().into_iter().copied()
     }
 
+    /// Whether it is wires alone.
+    pub(crate) fn is_wiring(&self) -> bool {
+        matches!(self, Self::Alias(_) | Self::Concat(_) | Self::Slice { .. })
+    }
+
     /// Whether another driver is the same operator with the same parameters, whatever the operands are.
     pub fn has_operator_of(&self, other: &Self) -> bool {
         let [a, b] = [self, other].map(|driver| {
