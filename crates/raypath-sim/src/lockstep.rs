@@ -98,6 +98,9 @@ pub fn timing(engine: &mut dyn Engine, job: &Words) -> Option<Timing> {
         if engine.cycle(true, true).output.is_some() {
             outputs.push(cycle);
         }
+        if outputs.len() == 2 * STREAM {
+            break;
+        }
     }
     let steady = outputs.get(STREAM..2 * STREAM)?;
     let gaps = steady.windows(2).map(|pair| pair[1] - pair[0]);

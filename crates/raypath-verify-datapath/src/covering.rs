@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 const REPRESENTATIVES: [(&str, &[&str]); 5] = [
     ("format", &["fp32", "fp16", "bf16", "e11s24"]),
     ("box-bits", &["13", "8", "24"]),
-    ("unit-latency", &["1", "2", "3/2"]),
+    ("unit-latency", &["1", "2", "10/7"]),
     ("delay-lines", &["0", "3"]),
     ("tag", &["0", "1", "32"]),
 ];

@@ -9,7 +9,7 @@ use crate::allocate::{lanes, registers, terms};
 use crate::config::{Control, Encoding, Interval, Microarchitecture, UnitSharing};
 use crate::error::Error;
 use crate::fold::{self, Rounds};
-use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
+use crate::ir::graph::{Kind, NodeId, Op, OperationGraph, StateValue};
 use crate::ir::liveness::{self, PositionValues};
 use crate::ir::position::{Step, StepLabel};
 use crate::ir::units::{Unit, UnitKind, Units};
@@ -160,12 +160,15 @@ impl Plan {
     pub fn spacing(&self, op: usize) -> u32 {
         let graph = &self.operations[op];
         let Some(rounds) = &self.rounds else { return graph.spacing() };
-        let reads = |id: &NodeId| graph.operands(*id).iter().any(|&o| matches!(graph.node(o).op, Op::State(_)));
-        let read = rounds.units[op][graph.first_read().0 as usize].iter().filter(|(id, _)| reads(id));
-        match (read.map(|(_, position)| position).min(), rounds.states[op].iter().max()) {
-            (Some(read), Some(written)) => written.saturating_sub(*read),
-            _ => graph.spacing(),
-        }
+        // Accumulators may be in different rounds.
+        let spacing = |(number, state): (usize, &StateValue<Step>)| {
+            let reads = |id: &NodeId| graph.operands(*id).iter().any(|&o| graph.node(o).op == Op::State(number));
+            let readers = rounds.units[op][state.read.0 as usize].iter().filter(|(id, _)| reads(id));
+            let read = readers.map(|(_, position)| *position).min();
+            let steps = state.written.0.saturating_sub(state.read.0);
+            read.map_or(steps, |read| rounds.states[op][number].saturating_sub(read))
+        };
+        graph.states.iter().enumerate().map(spacing).max().unwrap_or(0)
     }
 
     /// The driver of a value in a step.
