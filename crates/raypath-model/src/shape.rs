@@ -9,7 +9,8 @@ pub struct Shape {
     /// The flow control.
     pub control: Control,
     /// Cycles from a job to the next at full throughput. Above 1, the pipeline is folded: jobs are at least as many
-    /// positions apart, and with skid buffers there are no accumulator loops. Clamped to 1 to 64, and the latency to at least 2 then.
+    /// positions apart, and with skid buffers there are no accumulator loops. Clamped to 1 to 64, and the latency to at
+    /// least 2 then.
     pub interval: usize,
     /// The accumulators whose loop takes more than one cycle. Step i is between registers i - 1 and i; the input's
     /// register is 0. A loop delays jobs only if 1 ≤ first < last < latency.

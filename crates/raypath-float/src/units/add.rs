@@ -17,27 +17,25 @@ use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::normalise::Normalised;
 use crate::units::recoded::Magnitude;
-use raypath_hdl::{Builder, Error, Module};
+use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 
 /// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, except that -0 + -0 is
 /// -0. With `with_flags` it is `raypath_fp_add_flags_<format>`, and has a second output, `flags_o`: the exceptions of
 /// [`flags`](crate::flags) that the sum raises.
 pub fn add(format: Format, with_flags: bool) -> Result<Arc<Module>, Error> {
-    let m = flags::unit("add", "Sum of two recoded numbers", format, with_flags);
-    describe(format, &m, with_flags, false);
-    m.finish()
+    unit(format, with_flags, false)
 }
 
 /// The adder of [`add`], to be [divided](raypath_hdl::divide()). It completes the sum without a carry into the last
 /// place before it rounds, which takes longer, but leaves fewer bits to pass on.
 pub fn add_to_divide(format: Format, with_flags: bool) -> Result<Arc<Module>, Error> {
-    let m = flags::unit("add", "Sum of two recoded numbers", format, with_flags);
-    describe(format, &m, with_flags, true);
-    m.finish()
+    unit(format, with_flags, true)
 }
 
-fn describe(format: Format, m: &Builder, with_flags: bool, completes: bool) {
+fn unit(format: Format, with_flags: bool, completes: bool) -> Result<Arc<Module>, Error> {
+    let adder = flags::unit("add", "Sum of two recoded numbers", format, with_flags);
+    let m = &adder;
     let (e, s) = (format.exponent(), format.significand());
     let a_i = m.input("a_i", format.recoded_width());
     let b_i = m.input("b_i", format.recoded_width());
@@ -136,4 +134,5 @@ fn describe(format: Format, m: &Builder, with_flags: bool, completes: bool) {
         // A sum below the normal range is exact.
         flags::output(m, [invalid, Some(overflow), None, inexact_sum]);
     }
+    adder.finish()
 }

@@ -56,31 +56,33 @@ impl Values<Self> for bool {
     }
 }
 
-/// Declares how the whole numbers of a parameter are written.
-macro_rules! whole_numbers {
-    ($(#[$attribute:meta])* $name:ident, $texts:literal, $least:literal or $from:expr, $most:expr) => {
-        $(#[$attribute])*
-        pub struct $name;
+/// The texts of a tag's width.
+pub struct TagWidth;
 
-        impl Values<u32> for $name {
-            const TEXTS: &'static str = $texts;
-            fn parse(text: &str) -> Result<u32, String> {
-                let number = text.parse().ok().filter(|number| *number == $least || ($from..=$most).contains(number));
-                let expected = if $from == $least + 1 { format!("{} to {}", $least, $most) } else { format!("{}, or {} to {}", $least, $from, $most) };
-                number.ok_or_else(|| format!("'{text}', expected a whole number from {expected}"))
-            }
-            fn write(number: u32) -> String {
-                number.to_string()
-            }
-        }
-    };
+impl Values<u32> for TagWidth {
+    const TEXTS: &'static str = "0..32";
+    fn parse(text: &str) -> Result<u32, String> {
+        whole(text, |width| width <= MAX_TAG_WIDTH, "0 to 32")
+    }
+    fn write(width: u32) -> String {
+        width.to_string()
+    }
 }
 
-whole_numbers! {
-    /// The texts of a tag's width.
-    TagWidth, "0..32", 0 or 1, MAX_TAG_WIDTH
+/// The texts of the least length of a delay line. A memory has two words or more.
+pub struct DelayLines;
+
+impl Values<u32> for DelayLines {
+    const TEXTS: &'static str = "0|3..64";
+    fn parse(text: &str) -> Result<u32, String> {
+        whole(text, |steps| steps == 0 || (3..=64).contains(&steps), "3 to 64, or 0")
+    }
+    fn write(steps: u32) -> String {
+        steps.to_string()
+    }
 }
-whole_numbers! {
-    /// The texts of the least length of a delay line. A memory has two words or more.
-    DelayLines, "0|3..64", 0 or 3, 64
+
+fn whole(text: &str, is_valid: impl Fn(u32) -> bool, expected: &str) -> Result<u32, String> {
+    let number = text.parse().ok().filter(|number| is_valid(*number));
+    number.ok_or_else(|| format!("'{text}', expected a whole number from {expected}"))
 }

@@ -6,7 +6,7 @@ use crate::emit::control::{Exit, Gate, Plain, Skid};
 use crate::emit::interface;
 use crate::error::Error;
 use raypath_hdl::text::PortGroup;
-use raypath_hdl::{Module, Register, Wire};
+use raypath_hdl::{Builder, Module, Register, Wire};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -124,13 +124,12 @@ impl<'m, 'p> Registers<'m, 'p> {
     /// Adds registers, and memories and wires in place of some of them, and their ports.
     fn delayed(self) {
         let StepBuilder { m, plan, step, .. } = self.at;
-        let delays = &plan.steps[step].delays;
-        let delay =
-            |next: &Next<'m>| delays.iter().find(|(place, _)| number(**place) == next.name).map(|(_, delay)| *delay);
+        let delays = plan.steps[step].delays.iter().map(|(place, delay)| (number(*place), *delay));
+        let delays: BTreeMap<String, Delay> = delays.collect();
         let mut shown: BTreeMap<&str, Wire<'m>> = BTreeMap::new();
         let mut lines: BTreeMap<u32, Vec<&Next<'m>>> = BTreeMap::new();
         for next in &self.next {
-            match delay(next) {
+            match delays.get(&next.name).copied() {
                 Some(Delay::Memory(cycles)) => lines.entry(cycles).or_default().push(next),
                 Some(Delay::Wires) => {
                     shown.insert(&next.name, next.wire);
@@ -151,18 +150,13 @@ impl<'m, 'p> Registers<'m, 'p> {
             let place = m.register(&format!("place_of_{places}_q"), width).reset_to(0);
             let is_last = place.wire().is(u64::from(places - 1));
             place.next((place.wire() + m.constant(width, 1)) & (!is_last).replicate(width));
-            let columns: Vec<(&str, u32)> = words.iter().map(|next| (next.name.as_str(), next.wire.width())).collect();
-            let memory = m.memory(&format!("u_wait_{cycles}"), places, &columns);
-            let always = m.constant(1, 1);
-            memory.write(always, place.wire(), &words.iter().map(|next| next.wire).collect::<Vec<_>>());
-            for (next, column) in words.into_iter().zip(memory.read(always, place.wire())) {
+            let always = (m.constant(1, 1), place.wire());
+            let read = memory(m, &format!("u_wait_{cycles}"), places, &words, [always; 2]);
+            for (next, column) in words.into_iter().zip(read) {
                 shown.insert(&next.name, column);
             }
         }
-        for Next { name, .. } in &self.next {
-            m.output(&format!("{name}_o"), shown[name.as_str()]);
-        }
-        m.group_outputs(self.output);
+        self.show(|name| shown[name]);
     }
 
     /// The FIFO at the exit with a memory for most of its jobs. Behind the two registers of [`Exit`] is the next job, in
@@ -195,18 +189,18 @@ impl<'m, 'p> Registers<'m, 'p> {
         for (pointer, turns) in [(write, stores), (read, fetches)] {
             pointer.next(pointer.wire() + turns.extend(width));
         }
-        let columns: Vec<(&str, u32)> = self.next.iter().map(|next| (next.name.as_str(), next.wire.width())).collect();
-        let memory = m.memory("u_waiting", 1 << width, &columns);
-        memory.write(stores, write.wire(), &self.next.iter().map(|next| next.wire).collect::<Vec<_>>());
-        for (next, oldest) in self.next.iter().zip(memory.read(fetches, read.wire())) {
+        let all: Vec<&Next<'m>> = self.next.iter().collect();
+        let oldest = memory(m, "u_waiting", 1 << width, &all, [(stores, write.wire()), (fetches, read.wire())]);
+        let mut shown: BTreeMap<&str, Wire<'m>> = BTreeMap::new();
+        for (next, oldest) in all.into_iter().zip(oldest) {
             let behind = m.register(&format!("{}_behind_q", next.name), next.wire.width());
             behind.next_when(moves_up, next.wire);
             let behind = is_read.wire().mux(oldest, behind.wire());
             let word = next_full.wire().mux(behind, next.wire).named(&format!("{}_next", next.name));
             let registers = exit.store(m, &next.name, word);
-            m.output(&format!("{}_o", next.name), registers[registers.len() - 1].wire());
+            shown.insert(&next.name, registers[registers.len() - 1].wire());
         }
-        m.group_outputs(self.output);
+        self.show(|name| shown[name]);
         Ok(valid)
     }
 
@@ -239,11 +233,14 @@ impl<'m, 'p> Registers<'m, 'p> {
                 shown.insert(name, make(name, *wire)[..].last().map_or(*wire, |register| register.wire()));
             }
         }
-        // The ports have the order of the structure, not of the groups.
-        for Next { name, .. } in &self.next {
-            m.output(&format!("{name}_o"), shown[name.as_str()]);
-        }
-        m.group_outputs(self.output);
+        self.show(|name| shown[name]);
+    }
+
+    /// Adds the output ports, in the order of the structure. `shown` gives the wire of a word.
+    fn show(&self, shown: impl Fn(&str) -> Wire<'m>) {
+        let m = self.at.m;
+        self.next.iter().for_each(|Next { name, .. }| m.output(&format!("{name}_o"), shown(name)));
+        m.group_outputs(self.output.clone());
     }
 
     /// Adds the data registers that `registers` gives for each word, the one that is shown last, and their ports.
@@ -264,4 +261,18 @@ impl<'m, 'p> Registers<'m, 'p> {
         let next: Vec<Wire<'m>> = self.output.members.iter().filter_map(|(port, _)| of(port)).map(|n| n.wire).collect();
         self.at.m.bank(instance, buffer, ports, &next, &all, self.output);
     }
+}
+
+/// A memory of these words, with the enables and addresses of its writes and of its reads. Returns what it has read.
+fn memory<'m>(
+    m: &'m Builder,
+    name: &str,
+    depth: u32,
+    words: &[&Next<'m>],
+    [write, read]: [(Wire<'m>, Wire<'m>); 2],
+) -> Vec<Wire<'m>> {
+    let columns: Vec<(&str, u32)> = words.iter().map(|next| (next.name.as_str(), next.wire.width())).collect();
+    let memory = m.memory(name, depth, &columns);
+    memory.write(write.0, write.1, &words.iter().map(|next| next.wire).collect::<Vec<_>>());
+    memory.read(read.0, read.1)
 }

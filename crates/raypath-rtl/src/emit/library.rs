@@ -58,7 +58,7 @@ impl Microarchitecture {
     ///
     /// # Errors
     /// A format in which the module cannot be built.
-    pub fn adder(self, format: Format, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
+    pub fn adder_parts(self, format: Format, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
         match self.unit_latency.sums {
             1 => Ok(vec![raypath_float::add(format, with_flags)?]),
             steps => self.divided(&raypath_float::add_to_divide(format, with_flags)?, steps),
@@ -73,7 +73,11 @@ impl Microarchitecture {
         self.divided(&raypath_float::mul(format, self.multiplier.product(), with_flags)?, self.unit_latency.products)
     }
 
-    fn divided(self, unit: &Arc<Module>, steps: u32) -> Result<Vec<Arc<Module>>, Error> {
+    /// The parts of another unit.
+    ///
+    /// # Errors
+    /// Those of [`divide`].
+    pub fn divided(self, unit: &Arc<Module>, steps: u32) -> Result<Vec<Arc<Module>>, Error> {
         let technology = self.multiplier.technology();
         // The weight of a bit that crosses a cut: a skid buffer has two registers for it, and multiplexers. FPGAs have
         // registers enough.
@@ -129,7 +133,7 @@ impl Library {
             register: Plain::buffer()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
-            add: plan.microarchitecture.adder(format, with_flags)?,
+            add: plan.microarchitecture.adder_parts(format, with_flags)?,
             sum,
             multiply: plan.microarchitecture.multiplier_parts(format, with_flags)?,
             residue: has_residue.then(|| raypath_float::mul_with_residue(format, product)).transpose()?,

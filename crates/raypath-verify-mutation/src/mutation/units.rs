@@ -30,7 +30,7 @@ impl Unit {
     pub fn of(config: Config, name: &str) -> Result<Option<Self>, Error> {
         let (format, built) = (config.semantics.format, config.microarchitecture);
         let units = [
-            (Kind::Add, built.adder(format, false)?),
+            (Kind::Add, built.adder_parts(format, false)?),
             (Kind::Multiply, built.multiplier_parts(format, false)?),
             (Kind::Compare, vec![raypath_float::compare(format)?]),
             (Kind::Encode, vec![raypath_float::encode(format)?]),

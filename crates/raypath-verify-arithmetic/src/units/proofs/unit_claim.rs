@@ -11,10 +11,10 @@ use super::words::{canonical_form, encoders, is_canonical, is_nan};
 use super::{short, sum};
 use crate::units::bench::{chain, unrolled};
 use raypath_float::{
-    DivSqrt, Format, Narrow, Product, add, add_to_divide, compare, compare_narrow, decode, decode_narrow, encode, mul,
-    mul_narrow, narrow, sum,
+    DivSqrt, Format, Narrow, compare, compare_narrow, decode, decode_narrow, encode, mul_narrow, narrow, sum,
 };
-use raypath_hdl::{Module, Technology, divide};
+use raypath_hdl::Module;
+use raypath_rtl::{Microarchitecture, Multiplier, UnitLatency};
 use raypath_verify::Error;
 use std::sync::Arc;
 
@@ -99,10 +99,9 @@ impl Unit {
     /// The unit in parts.
     fn parts(self, f: Format, count: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, raypath_hdl::Error> {
         match self {
-            Self::Add if count == 1 => Ok(vec![add(f, with_flags)?]),
-            Self::Add => divide(&add_to_divide(f, with_flags)?, count, Technology::Gates, 0.0),
-            Self::Mul => divide(&mul(f, Product::Booth, with_flags)?, count, Technology::Gates, 0.0),
-            Self::MulInferred => divide(&mul(f, Product::Inferred, with_flags)?, count, Technology::Luts, 0.0),
+            Self::Add => built(count, Multiplier::Booth).adder_parts(f, with_flags),
+            Self::Mul => built(count, Multiplier::Booth).multiplier_parts(f, with_flags),
+            Self::MulInferred => built(count, Multiplier::Inferred).multiplier_parts(f, with_flags),
             Self::Div => DivSqrt::Quotient.parts(f, count),
             Self::Sqrt => DivSqrt::Root.parts(f, count),
         }
@@ -124,6 +123,12 @@ impl Unit {
             Self::Sqrt => ("sqrt", ROUNDING_FAULT, "square root"),
         }
     }
+}
+
+/// A datapath whose units have so many steps.
+fn built(steps: u32, multiplier: Multiplier) -> Microarchitecture {
+    let unit_latency = UnitLatency { sums: steps, products: steps };
+    Microarchitecture { unit_latency, multiplier, ..Microarchitecture::DEFAULT }
 }
 
 const ROUNDING_FAULT: (&str, &str) = ("below_half)) | sticky", "below_half)) & sticky");
@@ -279,8 +284,8 @@ impl UnitClaim {
             }
             Self::ShortProductParts(to, count) => {
                 let whole = mul_narrow(f, to.bits, to)?;
-                let divided = chain(&divide(&whole, count, Technology::Gates, 0.0)?)?;
-                let sides = [whole, divided];
+                let parts = built(count, Multiplier::Booth).divided(&whole, count)?;
+                let sides = [whole, chain(&parts)?];
                 let name = format!("multiplication of {} bits in {count} parts", to.bits);
                 Claim { name, fault: ("< LeastKept", "<= LeastKept"), ..alike(&sides)? }
             }
