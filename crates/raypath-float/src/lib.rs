@@ -29,5 +29,5 @@ pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
 pub use units::{
     DivSqrt, Narrow, Product, add, add_to_divide, compare, compare_narrow, decode, decode_narrow, div, encode, flags,
-    mul, mul_by_short, mul_narrow, mul_with_residue, narrow, number, sqrt, sum,
+    mul, mul_by_short, mul_narrow, mul_to_divide, mul_with_residue, multiplier, narrow, number, sqrt, sum,
 };

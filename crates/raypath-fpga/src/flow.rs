@@ -125,7 +125,8 @@ impl Flow {
     fn synthesised(&self, top: &Arc<Module>, device: Device, stop: &AtomicBool) -> Result<Synthesised, ToolError> {
         let mut text = String::new();
         for source in verilog::sources(top, &[])? {
-            text += &source.text;
+            let is_primitive = source.name == products::MULTIPLIER && !device.is_xilinx();
+            text += if is_primitive { products::PRIMITIVE } else { &source.text };
         }
         let script = Script::new(top, device);
         let key = if device.is_xilinx() { "xilinx-synthesis" } else { "ecp5-synthesis" };
@@ -200,7 +201,8 @@ impl Script {
         let top = design.name();
         let lacks = |multipliers| products::multipliers(design) > multipliers;
         let map = device.multipliers().is_some_and(lacks).then_some(products::MAP);
-        let mut commands = format!("read_verilog -sv -DSYNTHESIS {DESIGN}\nhierarchy -check -top {top}\n");
+        // `synth_ecp5` looks for modules that are missing, with its primitives.
+        let mut commands = format!("read_verilog -sv -DSYNTHESIS {DESIGN}\nhierarchy -top {top}\n");
         if map.is_some() {
             // The operands of a product in the text are as wide as the product.
             commands += &format!("proc\nflatten\nopt_expr\nwreduce\nopt_clean\ntechmap -map {PRODUCTS}\n");

@@ -5,6 +5,12 @@ use raypath_hdl::{Driver, Module};
 /// A technology map for Yosys: products in three multipliers instead of four.
 pub const MAP: &str = include_str!("products.v");
 
+/// The module in place of which an ECP5 has a primitive.
+pub const MULTIPLIER: &str = "raypath_mul_18x18";
+
+/// Its text for an ECP5.
+pub const PRIMITIVE: &str = include_str!("raypath_mul_18x18.v");
+
 /// The bits of an operand of a multiplier.
 const MULTIPLIER_BITS: u32 = 18;
 
@@ -64,6 +70,24 @@ mod tests {
         let values: Vec<u64> =
             values.map(|(_, bits)| u64::from_str_radix(bits.trim_end_matches('.'), 2).expect("bits")).collect();
         assert_eq!(values, pairs.iter().map(|[a, b]| a * b).collect::<Vec<_>>());
+    }
+
+    /// The primitive with a model of it: Yosys merges the registers and the product of both, so nothing is left to prove.
+    #[test]
+    fn the_primitive_does_what_the_text_does() {
+        let folder = temporary_folder().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        let text = raypath_float::multiplier(18, 18).and_then(|module| verilog::text(&module)).expect("text");
+        write(&place("text.sv"), &text.replace("raypath_mul_18x18", "by_text")).expect("a file");
+        for (name, model) in [("model.v", include_str!("../tests/data/MULT18X18D.v")), ("primitive.v", PRIMITIVE)] {
+            write(&place(name), model).expect("a file");
+        }
+        let script = "read_verilog -sv text.sv model.v primitive.v\nhierarchy\nproc\nflatten\nopt_clean\n\
+                      miter -equiv -flatten by_text raypath_mul_18x18 miter\nhierarchy -top miter\nopt\n\
+                      setundef -init -zero\nopt -share_all\nsat -verify -prove trigger 0 miter\n";
+        write(&place("script.ys"), script).expect("a file");
+        let yosys = Yosys::find(None).expect("Yosys");
+        yosys.run(folder.path(), "script.ys", "miter", &AtomicBool::new(false)).expect("equality");
     }
 
     #[test]

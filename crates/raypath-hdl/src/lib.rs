@@ -39,6 +39,7 @@ mod jit;
 mod no_jit;
 #[cfg(not(feature = "simulator"))]
 use no_jit as jit;
+mod multipliers;
 pub mod mutate;
 mod names;
 mod netlist;
@@ -58,6 +59,7 @@ pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
 pub use expose::{expose_memories, expose_registers, with_enables};
 pub use flatten::{combinational_inputs, depends_combinationally, influences};
 pub use formula::Formula;
+pub use multipliers::{WithMultipliers, with_multipliers};
 pub use names::problem as name_problem;
 pub use netlist::{
     Arm, Column, Driver, Instance, Item, Label, MemoryInfo, Module, Port, RegisterInfo, Signal, SignalId,

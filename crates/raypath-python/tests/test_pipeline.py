@@ -12,7 +12,7 @@ def job(datapath: raypath.Datapath) -> raypath.Job:
     return raypath.Job.timing(datapath, "triangle")
 
 
-@pytest.mark.parametrize(("preset", "latency"), [("paper", 12), ("credit", 12), ("fast", 22), ("fastest", 30)])
+@pytest.mark.parametrize(("preset", "latency"), [("paper", 12), ("credit", 12), ("fast", 46), ("fastest", 62)])
 def test_latency(preset: str, latency: int) -> None:
     """Cycles from acceptance to outcome, in single steps and in one skip."""
     datapath = raypath.Datapath(preset)

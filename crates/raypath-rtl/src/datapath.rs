@@ -86,7 +86,7 @@ impl DatapathNetlist {
     pub fn build(operations: Operations, microarchitecture: Microarchitecture) -> Result<Self, Error> {
         let Operations { format, exception_flags: with_flags, .. } = operations;
         let (staged, stages) = operations.staged(microarchitecture)?;
-        let (operations, labels) = schedule::expand(&staged, microarchitecture.unit_latency, stages);
+        let (operations, labels) = schedule::expand(&staged, microarchitecture, stages);
         let plan = Plan::new(operations, labels, format, microarchitecture)?;
         let library = Library::new(&plan, with_flags)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;

@@ -2,7 +2,7 @@
 
 use raypath_float::Format;
 use raypath_ops::{BoxBits, EdgeRule, Rounding, Rules};
-use raypath_rtl::{Config, Control, DatapathNetlist, EXCEPTIONS, Interval, Lanes, UnitLatency, parameters};
+use raypath_rtl::{Config, Control, DatapathNetlist, EXCEPTIONS, Interval, Lanes, Multiplier, UnitLatency, parameters};
 use std::collections::BTreeSet;
 
 /// Every listed value of a parameter is accepted, selects a configuration of its own, and is displayed unchanged.
@@ -49,7 +49,7 @@ fn the_display_of_a_configuration_is_its_changes() {
 #[test]
 fn each_exception_is_refused() {
     let (folded, sums) = (Config::DEFAULT.interval(Interval::Four), Config::DEFAULT.rounding(Rounding::Sum));
-    let (bounds, divided) = (Rules::Bounds(BoxBits::DEFAULT), UnitLatency::TWO);
+    let (bounds, divided, dsp) = (Rules::Bounds(BoxBits::DEFAULT), UnitLatency::TWO, Multiplier::Dsp);
     let delayed = Config::DEFAULT.control(Control::Credit).delay_lines(4);
     let (once, quantised) = (Config::DEFAULT.edges(EdgeRule::Once), Config::DEFAULT.quantised_boxes(true));
     let refused = [
@@ -83,6 +83,17 @@ fn each_exception_is_refused() {
         (delayed.clock_gating(true), "delay-lines: 4 is not available with clock-gating true", "clock-gating false"),
         (delayed.interval(Interval::Four), "delay-lines: 4 is not available with interval 4", "interval 1"),
         (folded.unit_latency(divided), "unit-latency: 2 is not available with control skid", "control credit"),
+        (Config::DEFAULT.multiplier(dsp), "multiplier: dsp is not available with control skid", "control credit"),
+        (
+            Config::DEFAULT.control(Control::Credit).multiplier(dsp).clock_gating(true),
+            "multiplier: dsp is not available with clock-gating true",
+            "clock-gating false",
+        ),
+        (
+            Config::DEFAULT.control(Control::Credit).multiplier(dsp).unit_latency(divided),
+            "multiplier: dsp is not available with unit-latency 2",
+            "unit-latency 3 or more",
+        ),
         (folded.exception_flags(true), "interval: 4 is not available with exception-flags true", "interval 1"),
         (folded.clock_gating(true), "interval: 4 is not available with clock-gating true", "interval 1"),
         (folded.rules(bounds), "interval: 4 is not available with rules bounds", "interval 1"),

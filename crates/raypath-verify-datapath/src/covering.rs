@@ -76,25 +76,37 @@ impl<'p> Space<'p> {
         configs
     }
 
-    /// The first values, with this pair and at most two other values if the pair needs them; none if it is refused.
+    /// The first values, with this pair and the other values that it needs; none if it is refused.
     fn completed(&self, pair: [Value; 2]) -> Option<Vec<usize>> {
-        let row = |values: &[Value]| {
-            let mut row = vec![0; self.factors.len()];
-            values.iter().chain(&pair).for_each(|&(factor, value)| row[factor] = value);
-            row
-        };
+        let others = self.needed(pair).or_else(|| {
+            // What each of them needs.
+            let [first, second] = pair.map(|value| self.needed([value; 2]));
+            Some([first?, second?].concat()).filter(|others| self.is_permitted(self.config(&self.row(others, pair))))
+        });
+        Some(self.row(&others?, pair))
+    }
+
+    /// At most two values that a pair needs, if these suffice.
+    fn needed(&self, pair: [Value; 2]) -> Option<Vec<Value>> {
         let each =
             || (0..).zip(&self.factors).flat_map(|(factor, (_, all))| (0..all.len()).map(move |at| (factor, at)));
         let two =
             each().flat_map(|first| each().filter(move |second| first <= *second).map(move |second| [first, second]));
-        let base = self.config(&row(&[]));
+        let base = self.config(&self.row(&[], pair));
         // The pair alone comes first.
         let found = std::iter::once(pair).chain(two).find(|values| {
             let mut config = base;
             values.iter().chain(&pair).for_each(|&value| self.set(&mut config, value));
             self.is_permitted(config)
         });
-        found.map(|values| row(&values))
+        found.map(Vec::from)
+    }
+
+    /// The first values, but these and the pair.
+    fn row(&self, values: &[Value], pair: [Value; 2]) -> Vec<usize> {
+        let mut row = vec![0; self.factors.len()];
+        values.iter().chain(&pair).for_each(|&(factor, value)| row[factor] = value);
+        row
     }
 
     /// Gives each parameter but those of the pair the value that adds the most missing pairs, twice, because the values
@@ -171,7 +183,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     /// The parameters that [`Config::check`] reads.
-    const LIMITED: [&str; 13] = [
+    const LIMITED: [&str; 14] = [
         "rules",
         "box-bits",
         "format",
@@ -179,6 +191,7 @@ mod tests {
         "control",
         "interval",
         "unit-latency",
+        "multiplier",
         "delay-lines",
         "clock-gating",
         "edges",

@@ -223,7 +223,7 @@ int main(void) {
   one_of_each();
   rate_and_capacity(NULL, 24);
   rate_and_capacity("preset = \"credit\"", 13);
-  rate_and_capacity("preset = \"fast\"", 44);
+  rate_and_capacity("preset = \"fast\"", 47);
   random_handshakes(NULL);
   random_handshakes("preset = \"credit\"\nlanes = 4");
   random_handshakes("tag = 4");

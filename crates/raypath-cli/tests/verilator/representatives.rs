@@ -32,13 +32,14 @@ pub const REPRESENTATIVES: [Config; 8] = [
         .units(UnitSharing::Disjoint)
         .unit_latency(UnitLatency { sums: 7, products: 5 })
         .delay_lines(3)
-        .multiplier(Multiplier::Inferred),
+        .multiplier(Multiplier::Dsp),
     DEFAULT
         .lanes(Lanes::ThirtyTwo)
         .format(Format::BFLOAT16)
         .control(Control::Credit)
         .interval(Interval::Two)
-        .unit_latency(UnitLatency { sums: 3, products: 2 }),
+        .unit_latency(UnitLatency { sums: 3, products: 3 })
+        .multiplier(Multiplier::Dsp),
     DEFAULT.lanes(Lanes::SixtyFour).format(Format::BINARY16).interval(Interval::Four),
     DEFAULT.lanes(Lanes::None).rules(Rules::Chisel).control(Control::Credit).interval(Interval::Eight),
     DEFAULT

@@ -15,25 +15,28 @@ use crate::Format;
 use crate::units::align::shift_right_sticky;
 use crate::units::constants::Constants;
 use crate::units::flags;
+use crate::units::lookahead;
 use crate::units::normalise::Normalised;
 use crate::units::recoded::Magnitude;
-use raypath_hdl::{Error, Module};
+use raypath_hdl::{Error, Module, Technology};
 use std::sync::Arc;
 
 /// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, except that -0 + -0 is
 /// -0. With `with_flags` it is `raypath_fp_add_flags_<format>`, and has a second output, `flags_o`: the exceptions of
 /// [`flags`](crate::flags) that the sum raises.
 pub fn add(format: Format, with_flags: bool) -> Result<Arc<Module>, Error> {
-    unit(format, with_flags, false)
+    unit(format, with_flags, None)
 }
 
-/// The adder of [`add`], to be [divided](raypath_hdl::divide()). It completes the sum without a carry into the last
-/// place before it rounds, which takes longer, but leaves fewer bits to pass on.
-pub fn add_to_divide(format: Format, with_flags: bool) -> Result<Arc<Module>, Error> {
-    unit(format, with_flags, true)
+/// The adder of [`add`], to be [divided](raypath_hdl::divide()) for a technology. It completes the sum without a carry
+/// into the last place before it rounds, which takes longer, but leaves fewer bits to pass on. In gates, carries do not
+/// ripple, so that a cut can be inside an adder; in FPGAs they have chains of their own.
+pub fn add_to_divide(format: Format, with_flags: bool, technology: Technology) -> Result<Arc<Module>, Error> {
+    unit(format, with_flags, Some(technology))
 }
 
-fn unit(format: Format, with_flags: bool, completes: bool) -> Result<Arc<Module>, Error> {
+fn unit(format: Format, with_flags: bool, divided_for: Option<Technology>) -> Result<Arc<Module>, Error> {
+    let (completes, has_lookahead) = (divided_for.is_some(), divided_for == Some(Technology::Gates));
     let adder = flags::unit("add", "Sum of two recoded numbers", format, with_flags);
     let m = &adder;
     let (e, s) = (format.exponent(), format.significand());
@@ -43,7 +46,14 @@ fn unit(format: Format, with_flags: bool, completes: bool) -> Result<Arc<Module>
     let subtract = (a_i.top() ^ b_i.top()).named("subtract");
 
     m.section("Order by exponent");
-    let difference = (a.exponent().extend(e + 2) - b.exponent().extend(e + 2)).named("difference");
+    let difference = match has_lookahead {
+        true => {
+            let sum = lookahead::add(a.exponent(), !b.exponent(), Some(m.constant(1, 1)), "difference");
+            m.concat(&[!sum.carry, sum.word])
+        }
+        false => a.exponent().extend(e + 2) - b.exponent().extend(e + 2),
+    };
+    let difference = difference.named("difference");
     let swap = difference.top().named("swap");
     let exponent = swap.mux(b.exponent(), a.exponent()).named("larger_exponent");
     let fraction = swap.mux(b.fraction(), a.fraction()).named("larger_fraction");
@@ -73,7 +83,13 @@ fn unit(format: Format, with_flags: bool, completes: bool) -> Result<Arc<Module>
     let addend = smaller.upper(s).named("addend");
     let propagate = (augend ^ addend).extend(s + 1);
     let propagate = if completes { propagate } else { propagate.named("propagate") };
-    let sum = augend.extend(s + 1) + addend.extend(s + 1);
+    let sum = match has_lookahead {
+        true => {
+            let sum = lookahead::add(augend, addend, None, "sum");
+            m.concat(&[sum.carry, sum.word])
+        }
+        false => augend.extend(s + 1) + addend.extend(s + 1),
+    };
     let (propagate, carries) = match completes {
         true => (sum.named("without_carry"), m.constant(s + 1, 0)),
         false => (propagate, (sum ^ propagate).named("carries")),
@@ -81,7 +97,11 @@ fn unit(format: Format, with_flags: bool, completes: bool) -> Result<Arc<Module>
     let tail = smaller.lower(3).hint("tail");
 
     m.section("Round");
-    let reach = (propagate ^ (propagate + m.constant(s + 1, 1)).hint("plus_one")).named("reach");
+    let plus_one = match has_lookahead {
+        true => lookahead::increment(propagate, "plus_one"),
+        false => propagate + m.constant(s + 1, 1),
+    };
+    let reach = (propagate ^ plus_one.hint("plus_one")).named("reach");
     let carry_out = (propagate.top() ^ carries.top()).named("carry_out");
     let [guard, round, sticky] = [2, 1, 0].map(|place| tail.bit(place));
     let below_guard = (round | sticky).named("below_guard");

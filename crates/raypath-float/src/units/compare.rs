@@ -30,7 +30,8 @@ pub fn compare(format: Format) -> Result<Arc<Module>, Error> {
 
     m.section("Magnitudes, without the lower bits of zeros and infinities");
     let both_zero = (a.is_zero() & b.is_zero()).named("both_zero");
-    let same = (equal | both_zero | (a.is_infinite() & b.is_infinite())).named("same");
+    let both_infinite = (a.is_infinite() & b.is_infinite()).hint("both_infinite");
+    let same = (equal | both_zero | both_infinite).named("same");
     let smaller = (less & !same).named("smaller");
     let larger = (!less & !same).named("larger");
 
@@ -65,7 +66,7 @@ impl<'m> Order<'m> {
     fn of(name: &str, a: Wire<'m>, b: Wire<'m>) -> Self {
         Self {
             less: a.less(b).named(&format!("{name}_less")),
-            covered: (!(a & !b).any()).named(&format!("{name}_covered")),
+            covered: (!(a & !b).hint(&format!("{name}_above")).any()).named(&format!("{name}_covered")),
         }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! Hardware: an adder for the exponents. For the significands, one multiple of the multiplicand for every three bits of
 //! the multiplier (`booth.rs`), full adders that reduce them to two rows (`compress.rs`), and a carry-lookahead adder
-//! (`lookahead.rs`); or the operator `*`, for which synthesis takes the multipliers of an FPGA. Then the product is
-//! rounded (`round.rs`). If operands or exponents alone determine the result, its class replaces the exponent.
+//! (`lookahead.rs`); or the operator `*`, for which synthesis takes the multipliers of an FPGA; or products for these
+//! multipliers (`partial.rs`). Then the product is rounded (`round.rs`). If operands or exponents alone determine the result, its class replaces the exponent.
 //!
 //! Checked by `verify multiplication` (lemmas and symfpu, all operands), `unit-proofs` (the unit in parts) and
 //! `testfloat` (SoftFloat).
@@ -15,6 +15,7 @@ use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::lookahead;
 use crate::units::narrow::narrowed;
+use crate::units::partial;
 use crate::units::recoded::Magnitude;
 use crate::units::round::{Unrounded, mark_lost};
 use raypath_hdl::{Builder, Error, Formula, Module, Wire};
@@ -40,6 +41,9 @@ pub enum Product {
     Booth,
     /// The operator `*`, for which synthesis for an FPGA takes multipliers. The modules are named `mul_inferred`.
     Inferred,
+    /// Products of 18 by 18 bits, each for one multiplier of an FPGA ([`multiplier`](crate::multiplier())), and their
+    /// sum. The modules are named `mul_dsp`.
+    Dsp,
 }
 
 impl Product {
@@ -47,14 +51,16 @@ impl Product {
         match self {
             Self::Booth => "mul",
             Self::Inferred => "mul_inferred",
+            Self::Dsp => "mul_dsp",
         }
     }
 
     /// Multiplies the significands.
-    fn of<'m>(self, format: Format, m: &'m Builder, factors: Factors<'m>) -> Digits<'m> {
+    fn of<'m>(self, format: Format, m: &'m Builder, factors: Factors<'m>, is_divided: bool) -> Digits<'m> {
         match self {
-            Self::Booth => booth_product(format, m, factors),
-            Self::Inferred => inferred_product(format, m, factors),
+            Self::Booth => booth_product(format, m, factors, is_divided),
+            Self::Inferred => operator_product(format, m, factors, |a, b| a * b),
+            Self::Dsp => operator_product(format, m, factors, partial::product),
         }
     }
 }
@@ -77,8 +83,19 @@ enum Extra {
 /// The module `raypath_fp_mul_<format>`: `product_o = a_i * b_i`. With `with_flags` it has the output `flags_o`, like
 /// [`add`](crate::add()).
 pub fn mul(format: Format, product: Product, with_flags: bool) -> Result<Arc<Module>, Error> {
+    unit(format, product, with_flags, false)
+}
+
+/// The multiplier of [`mul`], to be [divided](raypath_hdl::divide()). In gates, the carries of the adder for three times
+/// the multiplicand do not ripple, so that a cut can be inside.
+pub fn mul_to_divide(format: Format, product: Product, with_flags: bool) -> Result<Arc<Module>, Error> {
+    unit(format, product, with_flags, true)
+}
+
+fn unit(format: Format, product: Product, with_flags: bool, is_divided: bool) -> Result<Arc<Module>, Error> {
     let m = flags::unit(product.stem(), "Product of two recoded numbers", format, with_flags);
-    describe(format, format, &m, if with_flags { Extra::Flags } else { Extra::None }, product);
+    let extra = if with_flags { Extra::Flags } else { Extra::None };
+    describe(format, format, &m, extra, product, is_divided);
     m.finish()
 }
 
@@ -92,7 +109,7 @@ pub fn mul_by_short(format: Format, bits: u32, product: Product) -> Result<Arc<M
     let factor = narrowed(format, bits, &name, "b_i")?;
     let m = Builder::new(&name);
     m.doc(format!("Product of a recoded number and one of {factor}, rounded to nearest even."));
-    describe(format, factor, &m, Extra::None, product);
+    describe(format, factor, &m, Extra::None, product, false);
     m.finish()
 }
 
@@ -103,11 +120,11 @@ pub fn mul_by_short(format: Format, bits: u32, product: Product) -> Result<Arc<M
 pub fn mul_with_residue(format: Format, product: Product) -> Result<Arc<Module>, Error> {
     let m = Builder::new(&format!("raypath_fp_{}_residue_{format}", product.stem()));
     m.doc("Product of two recoded numbers, rounded to nearest even, and what rounding takes.");
-    describe(format, format, &m, Extra::Residue, product);
+    describe(format, format, &m, Extra::Residue, product, false);
     m.finish()
 }
 
-fn describe(format: Format, factor: Format, m: &Builder, extra: Extra, product: Product) {
+fn describe(format: Format, factor: Format, m: &Builder, extra: Extra, product: Product, is_divided: bool) {
     let e = format.exponent();
     let a_i = m.input("a_i", format.recoded_width());
     let b_i = m.input("b_i", factor.recoded_width());
@@ -124,8 +141,9 @@ fn describe(format: Format, factor: Format, m: &Builder, extra: Extra, product: 
     let overflows = (!exponent_sum.less(m.parameter("InfiniteExpSum", e + 2, overflow_sum))).named("overflows");
     let infinite = [(a, "a_infinite"), (b, "b_infinite")].map(|(x, name)| x.is_infinite().hint(name));
     let zero = [(a, "a_zero"), (b, "b_zero")].map(|(x, name)| x.is_zero().hint(name));
-    let zero_times_infinity = (zero[0] & infinite[1]) | (infinite[0] & zero[1]);
-    let nan = (a.is_nan() | b.is_nan() | zero_times_infinity).named("nan");
+    let zero_times_infinity = ((zero[0] & infinite[1]) | (infinite[0] & zero[1])).hint("zero_times_infinity");
+    let any_nan = (a.is_nan() | b.is_nan()).hint("any_nan");
+    let nan = (any_nan | zero_times_infinity).named("nan");
     let special = (nan | infinite[0] | infinite[1] | overflows).named("special");
     let settled = (special | zero[0] | zero[1] | vanishes).named("settled");
     let class = m.concat(&[special, special, nan, m.constant(e - 2, 0)]);
@@ -141,7 +159,7 @@ fn describe(format: Format, factor: Format, m: &Builder, extra: Extra, product: 
 
     let nonzero = !special & !a.is_zero() & !b.is_zero();
     let factors = Factors { multiplicand: a, multiplier: b, exponent, settled, sign };
-    let Digits { unrounded, low } = product.of(format, m, factors);
+    let Digits { unrounded, low } = product.of(format, m, factors, is_divided);
     let (word, is_settled) = (unrounded.word, unrounded.settled);
     let rounded = unrounded.round();
     m.output("product_o", rounded.number);
@@ -170,14 +188,14 @@ fn describe(format: Format, factor: Format, m: &Builder, extra: Extra, product: 
     }
 }
 
-fn booth_product<'m>(format: Format, m: &'m Builder, factors: Factors<'m>) -> Digits<'m> {
+fn booth_product<'m>(format: Format, m: &'m Builder, factors: Factors<'m>, has_lookahead: bool) -> Digits<'m> {
     let s = format.significand();
     let Factors { exponent, settled, sign, .. } = factors;
     // The bits of the multiplier, hidden bit included.
     let n = factors.multiplier.fraction().width() + 1;
     m.section("Multiples");
     let multiplicand = m.concat(&[m.constant(1, 1), factors.multiplicand.fraction()]).named("multiplicand");
-    let triple_above = booth::triple_above(multiplicand).named("triple_above");
+    let triple_above = booth::triple_above(multiplicand, has_lookahead).named("triple_above");
     let triple = m.concat(&[triple_above, multiplicand.bit(0)]);
 
     m.section("Multiply");
@@ -197,14 +215,20 @@ fn booth_product<'m>(format: Format, m: &'m Builder, factors: Factors<'m>) -> Di
     Digits { unrounded: Unrounded { format, word, sticky, exponent, settled, sign, subnormal: None }, low: low.word }
 }
 
-fn inferred_product<'m>(format: Format, m: &'m Builder, factors: Factors<'m>) -> Digits<'m> {
+fn operator_product<'m>(
+    format: Format,
+    m: &'m Builder,
+    factors: Factors<'m>,
+    multiply: impl Fn(Wire<'m>, Wire<'m>) -> Wire<'m>,
+) -> Digits<'m> {
     let (s, n) = (format.significand(), factors.multiplier.fraction().width() + 1);
     let Factors { exponent, settled, sign, .. } = factors;
 
     m.section("Multiply");
     let significand = |fraction| m.concat(&[m.constant(1, 1), fraction]);
     let factor = significand(factors.multiplicand.fraction()).named("factor");
-    let whole = (factor * significand(factors.multiplier.fraction()).named("other_factor")).named("whole");
+    let other = significand(factors.multiplier.fraction()).named("other_factor");
+    let whole = multiply(factor, other).named("whole");
     // Multipliers take longer than the exponent, which has time to mark the bits here.
     let subnormal = Some(mark_lost(format, exponent, settled));
     let word = whole.upper(s + 2).named("word");

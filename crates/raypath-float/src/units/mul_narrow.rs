@@ -53,7 +53,7 @@ fn describe(format: Format, operand: Format, to: Narrow, m: &Builder) {
 
     m.section("Multiples");
     let multiplicand = m.concat(&[m.constant(1, 1), a.fraction()]).named("multiplicand");
-    let triple_above = booth::triple_above(multiplicand).named("triple_above");
+    let triple_above = booth::triple_above(multiplicand, false).named("triple_above");
     let triple = m.concat(&[triple_above, multiplicand.bit(0)]);
 
     m.section("Multiply");

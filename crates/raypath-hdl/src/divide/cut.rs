@@ -38,6 +38,12 @@ impl Network {
         self.edge(2 * reader, 2 * signal, UNLIMITED);
     }
 
+    /// Both signals are on the same side.
+    pub fn joins(&mut self, signal: usize, other: usize) {
+        self.edge(2 * signal, 2 * other, UNLIMITED);
+        self.edge(2 * other, 2 * signal, UNLIMITED);
+    }
+
     pub fn fix_before(&mut self, signal: usize) {
         self.edge(self.source(), 2 * signal, UNLIMITED);
     }

@@ -21,6 +21,9 @@ pub struct Division<'m> {
 /// Bits of a signal: the lowest, and their number.
 type Bits = (u32, u32);
 
+/// The longest name that is made of the names of two signals.
+const MOST_LETTERS: usize = 48;
+
 impl<'m> Division<'m> {
     pub fn new(module: &'m Module, placed: Vec<usize>, count: usize) -> Self {
         let mut reads: Vec<BTreeMap<SignalId, Bits>> = vec![BTreeMap::new(); count];
@@ -78,8 +81,25 @@ impl<'m> Division<'m> {
             (None, Driver::Any(source)) => format!("any_{}", self.stem(*source)),
             (None, Driver::All(source)) => format!("all_{}", self.stem(*source)),
             (None, Driver::Alias(source)) => self.stem(*source),
-            (None, _) => format!("value_{}", id.0),
+            (None, driver) => self.of_two(driver).unwrap_or_else(|| format!("value_{}", id.0)),
         }
+    }
+
+    /// The name of what an operator makes of two signals, if it is short.
+    fn of_two(&self, driver: &Driver) -> Option<String> {
+        let (word, a, b) = match driver {
+            Driver::And(a, b) => ("and", a, b),
+            Driver::Or(a, b) => ("or", a, b),
+            Driver::Xor(a, b) => ("xor", a, b),
+            Driver::Add(a, b) => ("plus", a, b),
+            Driver::Sub(a, b) => ("minus", a, b),
+            Driver::Less(a, b) => ("below", a, b),
+            Driver::Equal(a, b) => ("equals", a, b),
+            _ => return None,
+        };
+        let [a, b] = [a, b].map(|id| self.stem(*id));
+        let name = format!("{a}_{word}_{b}");
+        (name.len() <= MOST_LETTERS && !name.contains("value_")).then_some(name)
     }
 
     /// The signal that unnamed slices are cut from, and the lowest bit.

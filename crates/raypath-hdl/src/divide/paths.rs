@@ -36,7 +36,7 @@ impl<'m> Paths<'m> {
             Driver::Constant(_) => Some(0.0),
             driver if driver.is_wiring() => Some(0.0),
             driver => {
-                let operands: Vec<u32> = driver.operands().map(width).collect();
+                let operands: Vec<u32> = driver.operands().map(|id| significant(module, id)).collect();
                 Some(technology.delay(driver, &operands, signal.width, loads[index]))
             }
         };
@@ -91,8 +91,12 @@ impl<'m> Paths<'m> {
     }
 
     /// The delay of a signal's driver. A product takes the period, so that no gate is in its part before or behind it.
+    /// What comes before an input takes no more than a part.
     fn delay(&self, id: SignalId, period: f64) -> f64 {
-        self.delays[id.index()].unwrap_or(period)
+        match (self.delays[id.index()], &self.module.signal(id).driver) {
+            (Some(arrival), Driver::Input) => arrival.min(period),
+            (delay, _) => delay.unwrap_or(period),
+        }
     }
 
     /// For each signal, the parts that are needed from its driver on, and the time of it in the first of them.
@@ -134,12 +138,29 @@ impl<'m> Paths<'m> {
                 network.read_after(id.index());
             }
         }
+        // The products are in one part, so that the registers of their operands are those of multipliers alone.
+        let products: Vec<usize> = (0..placed.len()).filter(|&index| self.delays[index].is_none()).collect();
+        products.windows(2).for_each(|pair| network.joins(pair[0], pair[1]));
         let mut after = network.minimum_cut();
         // What no output needs stays with its operands.
         for id in self.ids().filter(|id| !self.is_live[id.index()]) {
             after[id.index()] = self.module.signal(id).driver.operands().any(|operand| after[operand.index()]);
         }
         after
+    }
+}
+
+/// The width of a signal without its upper constant bits.
+fn significant(module: &Module, id: SignalId) -> u32 {
+    let signal = module.signal(id);
+    match &signal.driver {
+        Driver::Constant(value) => u64::BITS - value.leading_zeros(),
+        Driver::Alias(source) => significant(module, *source),
+        Driver::Concat(parts) => {
+            let lower = parts.iter().skip_while(|part| is_constant(module.signal(**part)));
+            lower.map(|part| module.signal(*part).width).sum()
+        }
+        _ => signal.width,
     }
 }
 

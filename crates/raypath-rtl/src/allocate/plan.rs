@@ -250,10 +250,11 @@ fn origin(
         return Origin::Register(slot);
     }
     let logic = || Origin::Logic(op, *alike.get(op).and_then(|alike| alike.get(&id)).unwrap_or(&id));
-    match &operations[op].node(id).op {
+    let node = operations[op].node(id);
+    match &node.op {
         Op::Input(port) => Origin::Port(port.clone()),
         // A comparator has several results; the selection among them is the operation's logic.
-        Op::Compare(..) => logic(),
+        _ if node.kind == Kind::Order => logic(),
         _ => bindings[op].get(&id).map_or_else(logic, |binding| Origin::Unit(binding.unit)),
     }
 }

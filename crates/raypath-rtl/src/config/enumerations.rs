@@ -150,6 +150,9 @@ choices! {
         Booth = "booth",
         /// The operator `*`, for which synthesis for an FPGA takes DSP blocks.
         Inferred = "inferred",
+        /// Modules of 18 by 18 bits with registers at their inputs and output, in place of which a design can have the
+        /// DSP blocks of its FPGA.
+        Dsp = "dsp",
     }
 }
 
@@ -159,6 +162,7 @@ impl Multiplier {
         match self {
             Self::Booth => Product::Booth,
             Self::Inferred => Product::Inferred,
+            Self::Dsp => Product::Dsp,
         }
     }
 
@@ -166,7 +170,7 @@ impl Multiplier {
     pub fn technology(self) -> Technology {
         match self {
             Self::Booth => Technology::Gates,
-            Self::Inferred => Technology::Luts,
+            Self::Inferred | Self::Dsp => Technology::Luts,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Values of parameters that cannot be combined: every combination without one of these pairs can be elaborated.
 
 use super::declarations::{Config, parameters};
-use super::enumerations::{Control, Interval};
+use super::enumerations::{Control, Interval, Multiplier};
 use crate::error::Error;
 use raypath_float::Format;
 use raypath_ops::{BoxBits, EdgeRule, Rounding, Rules};
@@ -38,6 +38,9 @@ const DIVIDED_AND_FOLDED: Choice =
 const GATED: Choice = choice("clock-gating", "true", |c| c.microarchitecture.clock_gating);
 const DELAYED: Choice = choice("delay-lines", "above 0", |c| c.microarchitecture.delay_lines > 0);
 const SKID: Choice = choice("control", "skid", |c| c.microarchitecture.control == Control::Skid);
+const DSP: Choice = choice("multiplier", "dsp", |c| c.microarchitecture.multiplier == Multiplier::Dsp);
+const FEW_STEPS: Choice =
+    choice("unit-latency", "below 3 for multipliers", |c| c.microarchitecture.unit_latency.products < 3);
 const FLAGS: Choice = choice("exception-flags", "true", |c| c.semantics.features.exception_flags);
 const SUMS: Choice = choice("rounding", "sum", |c| c.semantics.rounding == Rounding::Sum);
 const CHISEL: Choice = choice("rules", "chisel", |c| c.semantics.rules == Rules::Chisel);
@@ -78,6 +81,9 @@ pub const EXCEPTIONS: &[Exception] = &[
     exception(DELAYED, GATED, "clock-gating false", "a memory has no clock gates"),
     exception(DELAYED, FOLDED, "interval 1", "the rounds of a stage have no delay lines"),
     exception(DIVIDED_AND_FOLDED, SKID, "control credit", "a job inside a unit cannot wait for another one"),
+    exception(DSP, SKID, "control credit", "the registers of a DSP block cannot wait for one job among others"),
+    exception(DSP, GATED, "clock-gating false", "a DSP block has no clock gates"),
+    exception(DSP, FEW_STEPS, "unit-latency 3 or more", "a step before and one behind the DSP block are needed"),
     exception(FOLDED, FLAGS, "interval 1", "exceptions join all units of a stage, not those of a round"),
     exception(FOLDED, GATED, "interval 1", "registers already load in the rounds in which a value comes into them"),
     exception(FOLDED, BOUNDS, "interval 1", "the rounds of a stage have no units for short significands"),

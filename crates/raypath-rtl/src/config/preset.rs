@@ -33,8 +33,8 @@ pub const PRESETS: &[Preset] = &[
     preset("credit", "all four, half the pipeline registers", PAPER.control(Control::Credit)),
     preset("compact", "the smallest in binary32", GRAPHICS.control(Control::Credit)),
     preset("quantised", "triangles, and boxes of 8 bits a bound", QUANTISED),
-    preset("fast", "boxes and triangles, units in two stages", GRAPHICS.unit_latency(UnitLatency::TWO)),
-    preset("fastest", "boxes and triangles, units in three", GRAPHICS.unit_latency(UnitLatency::THREE)),
+    preset("fast", "boxes and triangles, units in 5 and 4 steps", divided(5, 4)),
+    preset("fastest", "boxes and triangles, units in 7 and 6 steps", divided(7, 6)),
     preset("ecp5", "boxes and triangles for an FPGA", ECP5),
     preset("half", "boxes and triangles in binary16", GRAPHICS.format(Format::BINARY16)),
     preset("recoded", "recoded numbers at the ports as well", PAPER.io(Encoding::Recoded)),
@@ -42,12 +42,12 @@ pub const PRESETS: &[Preset] = &[
     preset("segregated", "registers of its own for each operation", PAPER.sharing(Sharing::Segregated)),
 ];
 
+const fn divided(sums: u32, products: u32) -> Config {
+    GRAPHICS.control(Control::Credit).unit_latency(UnitLatency { sums, products })
+}
+
 /// Products in DSP blocks, units in as many steps as their carry chains need, waiting values in LUT RAM.
-const ECP5: Config = GRAPHICS
-    .control(Control::Credit)
-    .multiplier(Multiplier::Inferred)
-    .unit_latency(UnitLatency { sums: 10, products: 7 })
-    .delay_lines(4);
+const ECP5: Config = divided(10, 7).multiplier(Multiplier::Dsp).delay_lines(4);
 
 const fn preset(name: &'static str, purpose: &'static str, config: Config) -> Preset {
     Preset { name, purpose, config }

@@ -112,6 +112,14 @@ pub struct Next<'m> {
     pub wire: Wire<'m>,
     /// The operations that have a value in the register.
     pub users: BTreeSet<usize>,
+    /// The register is inside a unit's part before or after the boundary, which has wires.
+    pub is_inside: bool,
+}
+
+impl<'m> Next<'m> {
+    fn new(name: String, wire: Wire<'m>, users: BTreeSet<usize>) -> Self {
+        Self { name, wire, users, is_inside: false }
+    }
 }
 
 /// A step under construction.
@@ -240,19 +248,20 @@ impl<'m> StepBuilder<'m, '_> {
         let layout = &self.plan.steps[self.step].layout;
         self.m.section("Next values of the registers");
         let operations = 0..self.plan.operations.len();
-        let mut next =
-            vec![Next { name: "opcode".to_string(), wire: self.opcode, users: operations.clone().collect() }];
+        let mut next = vec![Next::new("opcode".to_string(), self.opcode, operations.clone().collect())];
         for place in 0..layout.numbers {
             if let Some(wire) = self.next_number(place, wires)? {
                 let users = live_values(self.plan, layout, place).into_iter().map(|(op, _)| op).collect();
-                next.push(Next { name: number(place), wire, users });
+                next.push(Next::new(number(place), wire, users));
             }
         }
         for &unit in &layout.cuts {
             let is_user = |op: &usize| layout.slots[*op].values().any(|slot| *slot == RegisterSlot::Cut(unit));
             let users: BTreeSet<usize> = operations.clone().filter(is_user).collect();
             for (stem, wire) in wires.cut(unit)? {
-                next.push(Next { name: format!("{}_{stem}", unit.stem()), wire, users: users.clone() });
+                let is_inside = self.library.is_inside(unit, &stem);
+                let name = format!("{}_{stem}", unit.stem());
+                next.push(Next { is_inside, ..Next::new(name, wire, users.clone()) });
             }
         }
         for (register, width) in layout.flag_registers().enumerate() {
@@ -260,7 +269,7 @@ impl<'m> StepBuilder<'m, '_> {
                 let is_here = |(low, ..): &(u32, u32, NodeId)| *low / FLAG_REGISTER == register as u32;
                 let is_user = |op: &usize| flag_fields(layout, *op).iter().any(is_here);
                 let users = operations.clone().filter(is_user).collect();
-                next.push(Next { name: flag_register(layout, register), wire, users });
+                next.push(Next::new(flag_register(layout, register), wire, users));
             }
         }
         Ok(next)

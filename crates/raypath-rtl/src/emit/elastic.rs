@@ -74,7 +74,7 @@ impl<'m, 'p> Registers<'m, 'p> {
             });
             return valid;
         }
-        if !self.at.plan.steps[self.at.step].delays.is_empty() {
+        if !self.at.plan.steps[self.at.step].delays.is_empty() || self.next.iter().any(|next| next.is_inside) {
             self.delayed();
             return valid;
         }
@@ -89,7 +89,7 @@ impl<'m, 'p> Registers<'m, 'p> {
     /// Adds the FIFO at the exit: a register that the sink sees, and `depth` jobs behind it.
     pub fn exit(self, depth: u32) -> Result<Wire<'m>, Error> {
         let m = self.at.m;
-        if depth > MOST_REGISTERS && !self.is_gated() {
+        if depth > MOST_REGISTERS {
             return self.deep_exit(depth);
         }
         m.section("Registers: a FIFO with a place for every job that holds a credit");
@@ -132,6 +132,9 @@ impl<'m, 'p> Registers<'m, 'p> {
             match delays.get(&next.name).copied() {
                 Some(Delay::Memory(cycles)) => lines.entry(cycles).or_default().push(next),
                 Some(Delay::Wires) => {
+                    shown.insert(&next.name, next.wire);
+                }
+                None if next.is_inside => {
                     shown.insert(&next.name, next.wire);
                 }
                 None => {

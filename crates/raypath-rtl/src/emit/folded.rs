@@ -32,7 +32,7 @@ impl<'m, 'p> Folded<'m, 'p> {
 
     /// Adds the registers and their output ports.
     pub fn store(self, wires: &mut dyn Wires<'m>) -> Result<(), Error> {
-        let StepBuilder { m, plan, step, opcode, .. } = self.at;
+        let StepBuilder { m, plan, library, step, opcode, .. } = self.at;
         let layout = &plan.steps[step].layout;
         let name = |slot: RegisterSlot| match slot {
             RegisterSlot::Number(place) => number(place),
@@ -43,6 +43,10 @@ impl<'m, 'p> Folded<'m, 'p> {
             m.section(format!("Registers inside {}, which load in every cycle", unit.stem()));
             for (stem, wire) in wires.cut(unit)? {
                 let name = format!("{}_{stem}", unit.stem());
+                if library.is_inside(unit, &stem) {
+                    m.output(&format!("{name}_o"), wire);
+                    continue;
+                }
                 let register = m.register(&format!("{name}_q"), wire.width());
                 register.next(wire);
                 m.output(&format!("{name}_o"), register.wire());

@@ -1,13 +1,13 @@
 use crate::allocate::plan::Plan;
-use crate::config::{Control, Microarchitecture};
+use crate::config::{Control, Interval, Microarchitecture, Multiplier};
 use crate::emit::control::{Plain, Skid};
 use crate::ir::graph::{Kind, Op, OperationGraph};
 use crate::ir::position::Step;
 use crate::ir::units::{Unit, UnitKind, UnitWidth, sum_steps};
 use raypath_float::{Format, Narrow};
-use raypath_hdl::{Error, Module, Technology, divide};
+use raypath_hdl::{Driver, Error, Module, Technology, divide, with_multipliers};
 use raypath_ops::{Direction, Narrowing};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// The modules that steps instantiate, each built once.
@@ -25,12 +25,12 @@ pub struct Library {
     add: Vec<Arc<Module>>,
     /// Adders of several terms in parts, by the number of terms.
     sum: BTreeMap<u32, Vec<Arc<Module>>>,
-    multiply: Vec<Arc<Module>>,
+    multiply: Multipliers,
     /// The multiplier with an output of what rounding takes, if the plan has it.
     pub residue: Option<Arc<Module>>,
     /// Multipliers by a short factor in parts, if the plan has short words.
-    multiply_by_short: Option<Vec<Arc<Module>>>,
-    compare: Arc<Module>,
+    multiply_by_short: Option<Multipliers>,
+    compare: Vec<Arc<Module>>,
     /// Units for operands with short significands, if the plan has such numbers.
     narrow: Option<NarrowUnits>,
     /// Converters of numbers to shorter significands.
@@ -44,9 +44,34 @@ pub struct Library {
 struct NarrowUnits {
     /// Multipliers by the rounding of their products, in parts.
     multiply: BTreeMap<Narrowing, Vec<Arc<Module>>>,
-    compare: Arc<Module>,
+    compare: Vec<Arc<Module>>,
     /// The decoder, whose words have no lower bits of the fraction. Narrow numbers are never subnormal.
     decode: Arc<Module>,
+}
+
+/// Multipliers in parts.
+#[derive(Debug, Default)]
+struct Multipliers {
+    parts: Vec<Arc<Module>>,
+    /// With DSP blocks: the words between parts that are in their registers, by the part before and the stem.
+    inside: BTreeSet<(u32, String)>,
+}
+
+impl Multipliers {
+    fn new(mut parts: Vec<Arc<Module>>, multiplier: Multiplier) -> Result<Self, Error> {
+        let mut inside = BTreeSet::new();
+        let has_product = |part: &Arc<Module>| part.signals().iter().any(|s| matches!(s.driver, Driver::Mul(..)));
+        if multiplier == Multiplier::Dsp
+            && let Some(place) = parts.iter().position(has_product)
+        {
+            let made = with_multipliers(&parts[place], raypath_float::multiplier)?;
+            let before = (place as u32).saturating_sub(1);
+            inside.extend(made.inputs.into_iter().map(|stem| (before, stem)));
+            inside.extend(made.outputs.into_iter().map(|stem| (place as u32, stem)));
+            parts[place] = made.module;
+        }
+        Ok(Self { parts, inside })
+    }
 }
 
 fn rounding(to: Narrowing) -> Narrow {
@@ -61,7 +86,10 @@ impl Microarchitecture {
     pub fn adder_parts(self, format: Format, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
         match self.unit_latency.sums {
             1 => Ok(vec![raypath_float::add(format, with_flags)?]),
-            steps => self.divided(&raypath_float::add_to_divide(format, with_flags)?, steps),
+            steps => {
+                let technology = self.multiplier.technology();
+                self.divided(&raypath_float::add_to_divide(format, with_flags, technology)?, steps)
+            }
         }
     }
 
@@ -70,7 +98,16 @@ impl Microarchitecture {
     /// # Errors
     /// A format in which the module cannot be built.
     pub fn multiplier_parts(self, format: Format, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
-        self.divided(&raypath_float::mul(format, self.multiplier.product(), with_flags)?, self.unit_latency.products)
+        let product = self.multiplier.product();
+        match self.unit_latency.products {
+            1 => Ok(vec![raypath_float::mul(format, product, with_flags)?]),
+            steps => self.divided(&raypath_float::mul_to_divide(format, product, with_flags)?, steps),
+        }
+    }
+
+    /// The steps of a comparator. In rounds, what several comparators determine is computed in the step of all of them.
+    pub(crate) fn comparator_steps(self) -> u32 {
+        if self.unit_latency.sums < 4 || self.interval != Interval::One { 1 } else { 2 }
     }
 
     /// The parts of another unit.
@@ -117,11 +154,15 @@ impl Library {
                 let unit = raypath_float::mul_narrow(format, operand, rounding(*to))?;
                 multiply.insert(*to, divided(unit, unit_latency.products)?);
             }
-            let compare = raypath_float::compare_narrow(format, operand)?;
+            let compare =
+                divided(raypath_float::compare_narrow(format, operand)?, plan.microarchitecture.comparator_steps())?;
             let decode = raypath_float::decode_narrow(format, operand)?;
             Ok::<_, Error>(NarrowUnits { multiply, compare, decode })
         });
-        let by_short = |bits| divided(raypath_float::mul_by_short(format, bits, product)?, unit_latency.products);
+        let by_short = |bits| {
+            let parts = divided(raypath_float::mul_by_short(format, bits, product)?, unit_latency.products)?;
+            Multipliers::new(parts, multiplier)
+        };
         let multiply_by_short = plan.widths.factor().map(by_short).transpose()?;
         let mut nodes = plan.operations.iter().flat_map(|graph| &graph.nodes);
         let has_residue = nodes.any(|node| matches!(node.op, Op::Residue(..)));
@@ -135,9 +176,9 @@ impl Library {
             decode: raypath_float::decode(format)?,
             add: plan.microarchitecture.adder_parts(format, with_flags)?,
             sum,
-            multiply: plan.microarchitecture.multiplier_parts(format, with_flags)?,
+            multiply: Multipliers::new(plan.microarchitecture.multiplier_parts(format, with_flags)?, multiplier)?,
             residue: has_residue.then(|| raypath_float::mul_with_residue(format, product)).transpose()?,
-            compare: raypath_float::compare(format)?,
+            compare: divided(raypath_float::compare(format)?, plan.microarchitecture.comparator_steps())?,
             narrow: narrow.transpose()?,
             narrowings,
             numbers,
@@ -149,16 +190,16 @@ impl Library {
         let part = unit.part as usize;
         match (unit.width, &self.narrow) {
             (UnitWidth::Rounding(to), Some(narrow)) => return &narrow.multiply[&to][part],
-            (UnitWidth::Short, Some(narrow)) => return &narrow.compare,
-            (UnitWidth::ShortFactor(_), _) => return &self.multiply_by_short.as_ref().unwrap_or(&self.multiply)[part],
+            (UnitWidth::Short, Some(narrow)) => return &narrow.compare[part],
+            (UnitWidth::ShortFactor(_), _) => return &self.by_short().parts[part],
             (UnitWidth::Terms(terms), _) => return &self.sum[&terms][part],
             _ => {}
         }
         match unit.kind {
             UnitKind::Encode => &self.encode,
             UnitKind::Add | UnitKind::Sum => &self.add[part],
-            UnitKind::Multiply => &self.multiply[part],
-            UnitKind::Compare => &self.compare,
+            UnitKind::Multiply => &self.multiply.parts[part],
+            UnitKind::Compare => &self.compare[part],
             UnitKind::Decode => &self.decode,
         }
     }
@@ -183,7 +224,7 @@ impl Library {
         let is = |parts: &[Arc<Module>]| parts.iter().any(|part| Arc::ptr_eq(part, module));
         match &self.narrow {
             Some(narrow) if narrow.multiply.values().any(|parts| is(parts)) => return Some(UnitKind::Multiply),
-            Some(narrow) if Arc::ptr_eq(&narrow.compare, module) => return Some(UnitKind::Compare),
+            Some(narrow) if is(&narrow.compare) => return Some(UnitKind::Compare),
             Some(narrow) if Arc::ptr_eq(&narrow.decode, module) => return Some(UnitKind::Decode),
             _ => {}
         }
@@ -191,12 +232,24 @@ impl Library {
             UnitKind::Encode => Arc::ptr_eq(&self.encode, module),
             UnitKind::Add => is(&self.add),
             UnitKind::Sum => self.sum.values().any(|parts| is(parts)),
-            UnitKind::Multiply => {
-                is(&self.multiply) || is(self.residue.as_slice()) || self.multiply_by_short.as_deref().is_some_and(is)
-            }
-            UnitKind::Compare => Arc::ptr_eq(&self.compare, module),
+            UnitKind::Multiply => is(&self.multiply.parts) || is(self.residue.as_slice()) || is(&self.by_short().parts),
+            UnitKind::Compare => is(&self.compare),
             UnitKind::Decode => Arc::ptr_eq(&self.decode, module),
         })
+    }
+
+    fn by_short(&self) -> &Multipliers {
+        self.multiply_by_short.as_ref().unwrap_or(&self.multiply)
+    }
+
+    /// Whether a word after a unit's part is in a register of a DSP block, and not of the boundary.
+    pub fn is_inside(&self, unit: Unit, stem: &str) -> bool {
+        let multipliers = match unit.width {
+            UnitWidth::ShortFactor(_) => self.by_short(),
+            _ => &self.multiply,
+        };
+        let is_one = unit.kind == UnitKind::Multiply && !matches!(unit.width, UnitWidth::Rounding(_));
+        is_one && multipliers.inside.contains(&(unit.part, stem.to_string()))
     }
 
     /// The registers after a unit's part that is not the last: their stems and widths.

@@ -1,12 +1,12 @@
 //! Divides stages into the steps of the pipeline.
 //!
 //! A step is the logic between two registers. If units are combinational, every stage is one step. If units have a
-//! latency of several steps, a stage has as many steps as its longest chain of units needs: an adder or a multiplier
-//! begins at a register and is cut into one part per step; a comparator is not cut, and has a step of its own.
+//! latency of several steps, a stage has as many steps as its longest chain of units needs: a unit begins at a register
+//! and is cut into one part per step.
 //!
 //! An adder of several terms has a part in each of several stages instead, so units are combinational beside it.
 
-use crate::config::UnitLatency;
+use crate::config::Microarchitecture;
 use crate::ir::graph::{Kind, Node, NodeId, Op, OperationGraph, StateValue};
 use crate::ir::position::{Stage, Step, StepLabel};
 use crate::ir::units::{UnitKind, sum_steps};
@@ -15,10 +15,10 @@ use crate::ir::units::{UnitKind, sum_steps};
 /// registers first. The pipeline has `stages` stages.
 pub fn expand(
     operations: &[OperationGraph<Stage>],
-    latency: UnitLatency,
+    microarchitecture: Microarchitecture,
     stages: u32,
 ) -> (Vec<OperationGraph<Step>>, Vec<StepLabel>) {
-    let times: Vec<Vec<Time>> = operations.iter().map(|graph| times(graph, latency)).collect();
+    let times: Vec<Vec<Time>> = operations.iter().map(|graph| times(graph, microarchitecture)).collect();
     let mut labels = vec![StepLabel { stage: 0, part: 1, parts: 1 }];
     let mut first = vec![0];
     for stage in 1..=stages {
@@ -50,7 +50,8 @@ struct Time {
 
 /// The earliest times: after operands of the same stage; operands of earlier stages are available from the beginning.
 /// If units have a latency of several steps, no unit follows another one in a step.
-fn times(graph: &OperationGraph<Stage>, latency: UnitLatency) -> Vec<Time> {
+fn times(graph: &OperationGraph<Stage>, microarchitecture: Microarchitecture) -> Vec<Time> {
+    let (latency, comparator_steps) = (microarchitecture.unit_latency, microarchitecture.comparator_steps());
     let is_divided = latency.is_divided();
     let mut times: Vec<Time> = Vec::with_capacity(graph.nodes.len());
     for (id, node) in graph.ids().zip(&graph.nodes) {
@@ -62,7 +63,7 @@ fn times(graph: &OperationGraph<Stage>, latency: UnitLatency) -> Vec<Time> {
         times.push(match &node.op {
             Op::Add(..) | Op::Subtract(..) if is_divided => Time { begin, end: begin + latency.sums - 1, full: true },
             Op::Multiply(..) if is_divided => Time { begin, end: begin + latency.products - 1, full: true },
-            Op::Compare(..) if is_divided => Time { begin, end: begin, full: true },
+            Op::Compare(..) if is_divided => Time { begin, end: begin + comparator_steps - 1, full: true },
             _ => Time { begin: end, end, full },
         });
     }
@@ -92,6 +93,7 @@ fn assign(graph: &OperationGraph<Stage>, times: &[Time], first: &[u32]) -> Opera
         let kind = match node.op {
             Op::Add(..) | Op::Subtract(..) => UnitKind::Add,
             Op::Multiply(..) => UnitKind::Multiply,
+            Op::Compare(..) => UnitKind::Compare,
             _ => continue,
         };
         let mut op = node.op.clone();

@@ -93,7 +93,7 @@ fn residues_have_the_order_of_exact_products() {
     for (e, s) in [(3, 3), (4, 3), (3, 4), (4, 4), (5, 5)] {
         let format = Format::new(e, s).expect("a format");
         let least = 2.0_f64.powi(2 - (1 << (e - 1)));
-        let units = [Product::Booth, Product::Inferred]
+        let units = [Product::Booth, Product::Inferred, Product::Dsp]
             .map(|product| Simulator::new(&mul_with_residue(format, product).expect("a multiplier")).expect("a unit"));
         let mut by_product: BTreeMap<u64, Vec<(f64, u32)>> = BTreeMap::new();
         let mut units = units;

@@ -24,13 +24,14 @@ pub const CONFIGS: [Config; 10] = [
         .lanes(Lanes::Two)
         .control(Control::Credit)
         .interval(Interval::Two)
-        .unit_latency(UnitLatency { sums: 3, products: 2 }),
+        .unit_latency(UnitLatency { sums: 5, products: 3 })
+        .multiplier(Multiplier::Dsp),
     Config::DEFAULT
         .lanes(Lanes::None)
         .control(Control::Credit)
         .unit_latency(UnitLatency { sums: 7, products: 5 })
         .delay_lines(4)
-        .multiplier(Multiplier::Inferred),
+        .multiplier(Multiplier::Dsp),
     Config::DEFAULT.lanes(Lanes::None).format(Format::BINARY16).sharing(Sharing::Segregated),
     Config::DEFAULT.lanes(Lanes::None).format(Format::TF32).control(Control::Credit).registers(Encoding::Ieee),
     Config::DEFAULT

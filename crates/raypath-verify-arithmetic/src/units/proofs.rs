@@ -178,7 +178,7 @@ pub fn multiplication(request: &mut Request<'_>) -> Result<Verdict, Error> {
 /// The claims of a level, in the formats of presets and in small ones, whose proofs are short. Each level includes the
 /// claims of the shorter ones.
 fn claims(level: Level) -> impl Iterator<Item = (UnitClaim, Format)> {
-    use Unit::{Add, Div, Mul, MulInferred, Sqrt};
+    use Unit::{Add, Div, Mul, MulDsp, MulInferred, Sqrt};
     use UnitClaim::{
         AddsIgnoredBits, BeginsDigits, Canonises, Compares, ComparesIgnoredBits, ComparesShort, DecodesShort, Encodes,
         Iterative, MultipliesIgnoredBits, Parts, RoundTrip, Rounds, RoundsDigits, ShortProduct, ShortProductParts,
@@ -214,8 +214,6 @@ fn claims(level: Level) -> impl Iterator<Item = (UnitClaim, Format)> {
         (Parts(Div, 14), BINARY32),
         (Iterative(DivSqrt::Quotient, 1), BINARY32),
         (Iterative(DivSqrt::Root, 1), BINARY32),
-        (Parts(MulInferred, 2), BINARY32),
-        (Parts(MulInferred, 3), BINARY32),
         (WithFlags(MulInferred), BINARY32),
         (product(6, false), &[(8, 12), (5, 9)]),
         (product(6, true), &[(8, 12), (5, 9)]),
@@ -225,10 +223,10 @@ fn claims(level: Level) -> impl Iterator<Item = (UnitClaim, Format)> {
         (rounding(8, true, 1), BINARY32),
     ];
     const REGRESSION: &[(UnitClaim, &[(u32, u32)])] = &[
-        (Parts(Add, 2), BINARY),
-        (Parts(Add, 3), BINARY),
-        (Parts(Mul, 2), BINARY),
-        (Parts(Mul, 3), BINARY),
+        (Parts(Add, 10), BINARY),
+        (Parts(Mul, 8), BINARY),
+        (Parts(MulInferred, 8), BINARY32),
+        (Parts(MulDsp, 8), BINARY32),
         (WithFlags(Add), BINARY),
         (WithFlags(Mul), BINARY32),
         (RoundsDigits(DivSqrt::Quotient), BINARY32),
@@ -265,7 +263,10 @@ fn claims(level: Level) -> impl Iterator<Item = (UnitClaim, Format)> {
     let adder = adder.map(|operands| (Rounds(Add, operands), Format::BINARY32));
     let tables = [if is_full { FULL } else { &[] }, REGRESSION].into_iter().flatten();
     let rows = tables.flat_map(|(subject, sizes)| sizes.iter().map(move |size| (*subject, *size)));
-    adder.chain(rows.filter_map(|(subject, (e, s))| Some((subject, Format::new(e, s).ok()?))))
+    // Those in the most parts are in the table.
+    let divided = [(Add, 10), (Mul, 8), (MulInferred, 8), (MulDsp, 8)].into_iter().filter(move |_| is_full);
+    let divided = divided.flat_map(|(unit, most)| (2..most).map(move |count| (Parts(unit, count), Format::BINARY32)));
+    adder.chain(divided).chain(rows.filter_map(|(subject, (e, s))| Some((subject, Format::new(e, s).ok()?))))
 }
 
 /// The multipliers of a level. Each level includes those of the shorter ones.

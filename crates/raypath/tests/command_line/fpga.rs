@@ -16,7 +16,7 @@ fn wrong_options_are_named_with_what_was_expected() {
     ends_with(&["fpga", "--contexts", "8"], 2, &["--contexts", "expected --unit"]);
     ends_with(&["fpga", "--clock", "0"], 2, &["'0'", "--clock", "expected MHz, 1 to 1000"]);
     ends_with(&["fpga", "--stream", "16"], 2, &["'16'", "--stream", "8, 32"]);
-    ends_with(&["fpga", "--multiplier", "dsp"], 2, &["'dsp'", "multiplier", "booth or inferred"]);
+    ends_with(&["fpga", "--multiplier", "fast"], 2, &["'fast'", "multiplier", "booth, inferred or dsp"]);
     ends_with(&["fpga", "--loopback", "--connect", "x"], 2, &["--loopback", "--connect"]);
 }
 

@@ -27,6 +27,8 @@ pub enum Unit {
     Mul,
     /// The multiplier with `*`.
     MulInferred,
+    /// The multiplier that adds products of at most 18 by 18 bits.
+    MulDsp,
     /// The combinational divider.
     Div,
     /// The combinational square root.
@@ -102,6 +104,7 @@ impl Unit {
             Self::Add => built(count, Multiplier::Booth).adder_parts(f, with_flags),
             Self::Mul => built(count, Multiplier::Booth).multiplier_parts(f, with_flags),
             Self::MulInferred => built(count, Multiplier::Inferred).multiplier_parts(f, with_flags),
+            Self::MulDsp => built(count, Multiplier::Dsp).multiplier_parts(f, with_flags),
             Self::Div => DivSqrt::Quotient.parts(f, count),
             Self::Sqrt => DivSqrt::Root.parts(f, count),
         }
@@ -119,6 +122,7 @@ impl Unit {
             Self::Add => ("add", ("~(half & quarter)", "~(half | quarter)"), "addition"),
             Self::Mul => ("mul", PRODUCT, "multiplication"),
             Self::MulInferred => ("mul", PRODUCT, "multiplication with *"),
+            Self::MulDsp => ("mul", PRODUCT, "multiplication in DSP blocks"),
             Self::Div => ("div", ROUNDING_FAULT, "division"),
             Self::Sqrt => ("sqrt", ROUNDING_FAULT, "square root"),
         }

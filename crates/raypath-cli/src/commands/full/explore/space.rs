@@ -24,7 +24,7 @@ const VALUES: [(&str, &[&str]); 7] = [
     ("sharing", &["union", "segregated"]),
     ("units", &["shared", "disjoint"]),
     ("interval", &["1", "2", "4", "8"]),
-    ("unit-latency", &["1", "2", "3"]),
+    ("unit-latency", &["1", "2", "3", "4", "6", "10/8"]),
     ("clock-gating", &["false", "true"]),
 ];
 
@@ -101,20 +101,20 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// Each parameter of the lists is one, and the numbers of combinations are those that are counted by hand: with an
-    /// interval of 1 all 2·2·2·2·3·2 combinations, with rules paper and 6 numbers of bits; with 2, 4 or 8 only those
+    /// interval of 1 all 2·2·2·2·6·2 combinations, with rules paper and 6 numbers of bits; with 2, 4 or 8 only those
     /// with rules paper, units of one step and without clock gates.
     #[test]
     fn the_space_around_a_preset_is_counted() {
         let all = around(&PRESETS[0]).expect("values of the parameters");
         let valid: Vec<_> = all.iter().filter(|(_, config)| config.check().is_ok()).collect();
         // Intervals with the rules of the preset; with units of several steps they need credits.
-        let folded = 3 * 16 + 3 * 8 * 2;
-        assert_eq!((all.len(), valid.len()), (7 * 16 * 4 * 3 * 2, 7 * 16 * 3 * 2 + folded));
+        let folded = 3 * 16 + 3 * 8 * 5;
+        assert_eq!((all.len(), valid.len()), (7 * 16 * 4 * 6 * 2, 7 * 16 * 6 * 2 + folded));
         assert_eq!(all[0], ("paper".to_string(), Config::DEFAULT));
         let names: BTreeSet<&String> = all.iter().map(|(name, _)| name).collect();
         assert_eq!(names.len(), all.len());
         assert!(names.contains(&"paper-control-credit-interval-2".to_string()));
         let half = PRESETS.iter().find(|preset| preset.name == "half").expect("a preset");
-        assert_eq!(around(half).expect("values").len(), 16 * 4 * 3 * 2);
+        assert_eq!(around(half).expect("values").len(), 16 * 4 * 6 * 2);
     }
 }
