@@ -106,6 +106,11 @@ impl<'v> Graph<'v> {
         self.built
     }
 
+    /// The lowest layer: the most neighbours of a vector, the neighbours of each, and the vector to begin with.
+    pub(crate) fn lowest_layer(&self) -> (usize, Vec<&[u32]>, u32) {
+        self.graph.lowest_layer()
+    }
+
     /// Searches approximately the `count` nearest neighbours of each query on all threads of rayon. `ef`, at least
     /// `count`, is the number of candidates kept: more give better neighbours and take more time. A query can have
     /// fewer than `count` results if the graph is not connected. `progress` gets the number of completed queries.

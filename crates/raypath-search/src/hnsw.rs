@@ -69,6 +69,13 @@ impl Hnsw {
         }
     }
 
+    /// The neighbours of every item in the lowest layer, of which each has so many places, and the item to begin with.
+    pub fn lowest_layer(&self) -> (usize, Vec<&[u32]>, u32) {
+        let degree = 2 * self.connections;
+        let used = self.lowest.chunks(degree).zip(&self.used).map(|(places, used)| &places[..usize::from(*used)]);
+        (degree, used.collect(), self.entry.unwrap_or(0))
+    }
+
     /// Inserts an item. `ef` candidates are kept for each layer.
     // Inlined, as are its parts, so that distances are compiled for the instruction set of the caller.
     #[inline(always)]

@@ -33,14 +33,12 @@ pub fn recall(
     }
     let mut hits = 0;
     for ((query, row), truth) in queries.iter().zip(&results.rows).zip(truth.rows()) {
-        let mut farthest = f64::NEG_INFINITY;
-        for &index in &truth[..count] {
-            let candidate = base.get(index as usize).unwrap_or_default();
-            farthest = farthest.max(distance(metric, lanes, query, candidate));
-        }
+        // Not the distance of a result, which another search may have rounded otherwise.
+        let of = |index: u32| distance(metric, lanes, query, base.get(index as usize).unwrap_or_default());
+        let farthest = truth[..count].iter().map(|index| of(*index)).fold(f64::NEG_INFINITY, f64::max);
         let mut seen = HashSet::new();
         let found = row.iter().take(count).filter(|near| seen.insert(near.index));
-        hits += found.filter(|near| near.distance <= farthest).count();
+        hits += found.filter(|near| of(near.index) <= farthest).count();
     }
     Ok(hits as f64 / (count * queries.len()) as f64)
 }

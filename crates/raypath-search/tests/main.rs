@@ -7,3 +7,4 @@ mod files;
 mod graph;
 mod recall;
 mod timing;
+mod unit;

@@ -3,7 +3,7 @@
 //! Three functions, generic over their circuit, say what happens to a ray: [`set_up`] derives its constants, [`fold()`]
 //! finds the closest hit of a block, and [`step()`] decides what follows from an answer. [`Unit`] is the functional
 //! model, which steps a ray until it ends. [`UnitNetlist`] is the hardware. [`blocks`] is the layout of a scene in
-//! memory, and [`traffic`] has random scenes, rays and memories.
+//! memory, and [`traffic`] has random scenes, rays and memories. [`search`] has searches, as functional models.
 
 mod answers;
 pub mod blocks;
@@ -20,6 +20,7 @@ mod model;
 mod native;
 mod netlist;
 mod query;
+pub mod search;
 pub mod set_up;
 pub mod state;
 mod step;

@@ -9,6 +9,7 @@ mod instances;
 mod quantised;
 mod queries;
 mod scenes;
+mod search;
 mod state;
 mod system;
 mod unit;

@@ -12,8 +12,8 @@ use raypath_float::Format;
 use raypath_ops::Rounding;
 use raypath_rtl::Config;
 use raypath_search::{
-    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, Work, recall,
-    write_ivecs,
+    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, StoredAs, Work,
+    recall, search_through_unit, write_ivecs,
 };
 use raypath_timing::Progress;
 use raypath_timing::report::Table;
@@ -39,6 +39,12 @@ pub struct Arguments {
     /// Compare with every vector; the default without --index
     #[arg(long, conflicts_with = "index")]
     exact: bool,
+    /// Search by jobs of the unit, in its functional model; there is no other one yet
+    #[arg(long, value_enum, requires = "no_timing", conflicts_with_all = ["shard", "part", "merge"])]
+    through: Option<Through>,
+    /// The elements of vectors in the unit's memory
+    #[arg(long, requires = "through", default_value = "binary32", value_name = "binary32|binary16|int8")]
+    elements: StoredAs,
     /// Search approximately with an index
     #[arg(long, value_enum)]
     index: Option<Index>,
@@ -77,6 +83,11 @@ pub struct Arguments {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Through {
+    Unit,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Index {
     /// A hierarchical navigable small-world graph
     Hnsw,
@@ -95,6 +106,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let lanes = LaneCount::of(config.semantics.lanes.count()).ok_or_else(|| {
         CliError::unusable("--lanes none: a datapath without distances cannot search, expected 2 to 64")
     })?;
+    if arguments.through.is_some() && lanes != LaneCount::Sixteen {
+        return Err(CliError::unusable("--through unit: its datapath has 16 lanes, expected --lanes 16"));
+    }
     let dataset = arguments.dataset()?;
     let metric = arguments.metric.or(dataset.metric).unwrap_or(Metric::Euclidean);
     let (base, queries) = (&dataset.base, &dataset.queries);
@@ -108,7 +122,18 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         }
         Some(Index::Hnsw) => Some(arguments.graph(lanes, &dataset, metric, out)?),
     };
+    let mut of_unit = Vec::new();
     let results = match &graph {
+        _ if arguments.through.is_some() => {
+            let graph = graph.as_ref().map(|graph| (graph, arguments.ef()));
+            let found = watched("queries", queries.len(), |progress| {
+                search_through_unit(base, queries, metric, arguments.k, arguments.elements, graph, progress)
+            })?;
+            let of_query = |total: u64| format!("{:.1}", found.results.per_query(total));
+            of_unit.push(("bytes that a query reads".to_string(), of_query(found.bytes())));
+            of_unit.push(("candidates that a query expands".to_string(), of_query(found.expansions)));
+            found.results
+        }
         None => match arguments.divided(lanes, &dataset, metric, config)? {
             Ok(results) => results,
             Err(message) => return Ok(writeln!(out, "{message}")?),
@@ -118,6 +143,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         }
     };
     let mut rows = describe(&results, lanes, base.dimensions());
+    rows.extend(of_unit);
     if let Some((source, truth)) = arguments.truth(lanes, &dataset, metric)? {
         let recall = recall(&results, &truth, base, queries, metric, lanes, arguments.k).map_err(CliError::unusable)?;
         rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
@@ -232,7 +258,7 @@ impl Arguments {
         let is_of_metric = dataset.metric.is_none_or(|own| own == metric);
         match &dataset.truth {
             Some(truth) if is_of_metric => Ok(Some(("the file's truth", truth.clone()))),
-            _ if self.index.is_some() => {
+            _ if self.index.is_some() || self.through.is_some() => {
                 let results = self.exact(lanes, dataset, metric)?;
                 let indices: Vec<i64> = results.rows.iter().flatten().map(|near| i64::from(near.index)).collect();
                 let neighbours = Neighbours::new(self.k, &indices, dataset.base.len()).map_err(CliError::unusable)?;

@@ -1,0 +1,70 @@
+//! Searches by jobs of the unit against the exact search.
+
+use raypath_search::{
+    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, StoredAs, recall,
+    search_through_unit,
+};
+
+const COUNT: usize = 10;
+
+fn dataset() -> Dataset {
+    Clusters { seed: 3, ..Clusters::default() }
+        .generate()
+        .map(|all| Dataset { base: all.base.first(2000), queries: all.queries.first(20), ..all })
+        .expect("vectors")
+}
+
+fn indices(results: &SearchResults) -> Vec<Vec<u32>> {
+    results.rows.iter().map(|row| row.iter().map(|near| near.index).collect()).collect()
+}
+
+fn exact(Dataset { base, queries, .. }: &Dataset, metric: Metric) -> SearchResults {
+    Exact::new(base, metric, LaneCount::Sixteen).search(queries, COUNT, &|_| true).expect("a search")
+}
+
+/// The recall of a search by jobs.
+fn found(dataset: &Dataset, metric: Metric, stored: StoredAs, graph: Option<(&Graph, usize)>) -> (SearchResults, f64) {
+    let Dataset { base, queries, .. } = dataset;
+    let found = search_through_unit(base, queries, metric, COUNT, stored, graph, &|_| true).expect("a search");
+    let truth: Vec<i64> = exact(dataset, metric).rows.iter().flatten().map(|near| near.index.into()).collect();
+    let truth = Neighbours::new(COUNT, &truth, base.len()).expect("neighbours");
+    let recall = recall(&found.results, &truth, base, queries, metric, LaneCount::Sixteen, COUNT).expect("a recall");
+    (found.results, recall)
+}
+
+#[test]
+fn a_scan_finds_what_the_exact_search_finds() {
+    let dataset = dataset();
+    let (results, recall) = found(&dataset, Metric::Euclidean, StoredAs::Binary32, None);
+    let exact = exact(&dataset, Metric::Euclidean);
+    assert_eq!(indices(&results), indices(&exact));
+    assert_eq!((results.work, recall), (exact.work, 1.0));
+    for (near, exact) in results.rows.iter().flatten().zip(exact.rows.iter().flatten()) {
+        assert_eq!(near.distance, f64::from(exact.distance as f32));
+    }
+    // Ranks of cosines have two roundings.
+    assert!(found(&dataset, Metric::Angular, StoredAs::Binary32, None).1 > 0.99);
+}
+
+#[test]
+fn rounded_elements_and_a_graph_find_most_neighbours() {
+    let dataset = dataset();
+    for (stored, least) in [(StoredAs::Binary16, 0.98), (StoredAs::Int8, 0.9)] {
+        let (_, recall) = found(&dataset, Metric::Euclidean, stored, None);
+        assert!(recall >= least, "{stored}: {recall}");
+    }
+    for metric in Metric::ALL {
+        let parameters = GraphParameters::default();
+        let graph = Graph::build(&dataset.base, metric, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
+        let (results, recall) = found(&dataset, metric, StoredAs::Binary32, Some((&graph, 64)));
+        assert!(recall >= 0.95, "{metric}: {recall}");
+        assert!(results.work.evaluations < 20 * 1500, "{metric}: {:?}", results.work);
+    }
+}
+
+#[test]
+fn what_no_job_has_is_refused() {
+    let Dataset { base, queries, .. } = dataset();
+    let found = search_through_unit(&base, &queries, Metric::Euclidean, 65, StoredAs::Int8, None, &|_| true);
+    assert_eq!(found.expect_err("65").to_string(), "65 neighbours in a job of the unit, expected 1 to 64");
+}

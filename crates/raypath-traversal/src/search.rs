@@ -1,0 +1,18 @@
+//! Searches: the address of a job goes in, the nearest vectors come out.
+//!
+//! [`SearchJob`] is a job and its layout in memory. [`search()`] is the functional model: what the unit reads, and the
+//! neighbours that it returns, in order. [`SearchImage`] places vectors, graphs and jobs in memory.
+
+mod distance;
+mod image;
+mod job;
+mod list;
+mod model;
+
+pub use distance::{Elements, VectorLayout};
+pub use image::{ImageError, SearchImage};
+pub use job::{JOB_BYTES, JobError, MAX_CANDIDATES, MAX_DIMENSIONS, MAX_NEIGHBOURS, Place, SearchJob, SearchMetric};
+pub use model::{Neighbour, SearchCounts, SearchReply, SearchStatus, search};
+
+/// Bytes of a block, which the unit reads at once.
+pub const SEARCH_BLOCK: u32 = 64;

@@ -1,0 +1,185 @@
+//! A job of a search, and its layout in memory.
+
+use super::distance::Elements;
+use thiserror::Error;
+
+/// Bytes of a job: one block.
+pub const JOB_BYTES: u32 = 64;
+
+/// The most neighbours that a job asks for.
+pub const MAX_NEIGHBOURS: u32 = 64;
+
+/// The most candidates that a job keeps.
+pub const MAX_CANDIDATES: u32 = 256;
+
+/// The most dimensions of vectors.
+pub const MAX_DIMENSIONS: u32 = 4096;
+
+/// A search. All addresses are of the lower 32 bits; what they name begins at a multiple of 64 bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchJob {
+    /// How vectors are compared.
+    pub metric: SearchMetric,
+    /// The elements of all vectors.
+    pub elements: Elements,
+    /// The number of dimensions, 1 to [`MAX_DIMENSIONS`].
+    pub dimensions: u32,
+    /// The address of the query.
+    pub query: u32,
+    /// The address of vector 0.
+    pub vectors: u32,
+    /// The bytes from a vector to the next, a multiple of 64 and at least those of a vector.
+    pub stride: u32,
+    /// The number of vectors. Indices from here on name none, and are skipped.
+    pub count: u32,
+    /// The neighbours to return, 1 to [`MAX_NEIGHBOURS`]; fewer if there are no more.
+    pub k: u32,
+    /// Only vectors count whose rank is at most this: the squared distance, or minus the dot product or the cosine's
+    /// monotone measure.
+    pub bound: f32,
+    /// Where to look.
+    pub place: Place,
+}
+
+/// How vectors are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SearchMetric {
+    /// By the Euclidean distance; the nearest first.
+    Euclidean,
+    /// By the dot product; the greatest first.
+    Dot,
+    /// By the cosine of the angle; the greatest first.
+    Cosine,
+}
+
+/// The vectors that a search compares with its query.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// All vectors.
+    Scan,
+    /// Those whose indices are in a list.
+    Gather {
+        /// The address of the list, words of 32 bits.
+        list: u32,
+        /// Its length.
+        len: u32,
+    },
+    /// Those that a best-first search in a graph reaches.
+    Graph {
+        /// The address of the neighbours of vector 0: `degree` words of 32 bits, in whole blocks for each vector. A
+        /// word that names no vector is skipped.
+        neighbours: u32,
+        /// The number of neighbours, 0 to 65,535.
+        degree: u32,
+        /// The address of the list of vectors to begin with.
+        entries: u32,
+        /// Its length.
+        entry_count: u32,
+        /// The candidates that are kept, `k` to [`MAX_CANDIDATES`].
+        candidates: u32,
+        /// The most candidates whose neighbours are read.
+        expansions: u32,
+    },
+}
+
+/// A word of a job that the unit refuses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("word {word} of the job is {found:#x}, expected {expected}")]
+pub struct JobError {
+    /// The number of the word, from 0.
+    pub word: usize,
+    /// The word.
+    pub found: u32,
+    /// What is valid.
+    pub expected: &'static str,
+}
+
+const METRICS: [SearchMetric; 3] = [SearchMetric::Euclidean, SearchMetric::Dot, SearchMetric::Cosine];
+
+impl SearchJob {
+    /// The job as words of 32 bits, little-endian in memory.
+    ///
+    /// | word | bits | contents |
+    /// |---|---|---|
+    /// | 0 | 3:0, 7:4, 11:8, 31:16 | place (0 scan, 1 gather, 2 graph), metric, elements, `k` |
+    /// | 1 | 15:0, 31:16 | `dimensions`, `candidates` |
+    /// | 2 to 5 | | `query`, `vectors`, `stride`, `count` |
+    /// | 6, 7 | | `list` or `neighbours`, `len` or `degree` |
+    /// | 8 to 10 | | `entries`, `entry_count`, `expansions` |
+    /// | 11, 12 | | `bound` and the scale of integers, in binary32 |
+    /// | 13 to 15 | | 0 |
+    pub fn words(&self) -> [u32; 16] {
+        let (place, list, len, graph) = match self.place {
+            Place::Scan => (0, 0, 0, [0; 4]),
+            Place::Gather { list, len } => (1, list, len, [0; 4]),
+            Place::Graph { neighbours, degree, entries, entry_count, candidates, expansions } => {
+                (2, neighbours, degree, [entries, entry_count, candidates, expansions])
+            }
+        };
+        let metric = METRICS.iter().position(|metric| *metric == self.metric).unwrap_or(0) as u32;
+        let [entries, entry_count, candidates, expansions] = graph;
+        let mut words = [0; 16];
+        words[0] = place | metric << 4 | self.elements.code() << 8 | self.k << 16;
+        words[1] = self.dimensions | candidates << 16;
+        words[2..6].copy_from_slice(&[self.query, self.vectors, self.stride, self.count]);
+        words[6..11].copy_from_slice(&[list, len, entries, entry_count, expansions]);
+        words[11..13].copy_from_slice(&[self.bound.to_bits(), self.elements.scale().to_bits()]);
+        words
+    }
+
+    /// The job of these words.
+    ///
+    /// # Errors
+    /// A word that is outside its range.
+    pub fn from_words(words: [u32; 16]) -> Result<Self, JobError> {
+        let is = |word: usize, is_valid: bool, expected| match is_valid {
+            true => Ok(()),
+            false => Err(JobError { word, found: words[word], expected }),
+        };
+        let part = |word: usize, low: u32, bits: u32| words[word] >> low & ((1 << bits) - 1);
+        let aligned = |word: usize| is(word, words[word].is_multiple_of(JOB_BYTES), "an address of whole blocks");
+        let (place, k) = (part(0, 0, 4), words[0] >> 16);
+        is(0, place <= 2 && part(0, 12, 4) == 0, "a place of 0 to 2 and zeros in bits 15 to 12")?;
+        is(0, (1..=MAX_NEIGHBOURS).contains(&k), "1 to 64 neighbours in bits 31 to 16")?;
+        let metric = METRICS.get(part(0, 4, 4) as usize).copied();
+        let metric =
+            metric.ok_or(JobError { word: 0, found: words[0], expected: "a metric of 0 to 2 in bits 7 to 4" })?;
+        let elements = Elements::from_code(part(0, 8, 4), f32::from_bits(words[12]));
+        let elements =
+            elements.ok_or(JobError { word: 0, found: words[0], expected: "elements of 0 to 2 in bits 11 to 8" })?;
+        let (dimensions, candidates) = (part(1, 0, 16), words[1] >> 16);
+        is(1, (1..=MAX_DIMENSIONS).contains(&dimensions), "1 to 4096 dimensions in bits 15 to 0")?;
+        (2..4).try_for_each(aligned)?;
+        let least = super::VectorLayout { elements, dimensions }.bytes();
+        is(4, words[4].is_multiple_of(JOB_BYTES) && words[4] >= least, "a multiple of 64 that holds a vector")?;
+        let place = match place {
+            0 => Place::Scan,
+            1 => {
+                aligned(6)?;
+                Place::Gather { list: words[6], len: words[7] }
+            }
+            _ => {
+                aligned(6)?;
+                aligned(8)?;
+                is(7, words[7] <= u16::MAX.into(), "a degree of 0 to 65535")?;
+                is(
+                    1,
+                    (k..=MAX_CANDIDATES).contains(&candidates),
+                    "as many candidates as neighbours to 256, in bits 31 to 16",
+                )?;
+                Place::Graph {
+                    neighbours: words[6],
+                    degree: words[7],
+                    entries: words[8],
+                    entry_count: words[9],
+                    candidates,
+                    expansions: words[10],
+                }
+            }
+        };
+        is(11, !f32::from_bits(words[11]).is_nan(), "a number")?;
+        let [query, vectors, stride, count] = [words[2], words[3], words[4], words[5]];
+        let bound = f32::from_bits(words[11]);
+        Ok(Self { metric, elements, dimensions, query, vectors, stride, count, k, bound, place })
+    }
+}

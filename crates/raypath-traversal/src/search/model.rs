@@ -1,0 +1,175 @@
+//! The functional model of a search.
+
+use super::distance::{self, Sums, VectorLayout};
+use super::job::{Place, SearchJob, SearchMetric};
+use super::list::{BestList, Candidate};
+use super::{JOB_BYTES, SEARCH_BLOCK};
+use crate::model::{Memory, MemoryError};
+use std::collections::HashSet;
+
+/// A neighbour of a query.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neighbour {
+    /// The index of the vector.
+    pub index: u32,
+    /// The Euclidean distance, the dot product, or the cosine of the angle.
+    pub distance: f32,
+}
+
+/// How a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SearchStatus {
+    /// The neighbours are complete.
+    Done,
+    /// A word of the job is outside its range; there are no neighbours.
+    Refused,
+    /// The memory reported an error; there are no neighbours.
+    Memory,
+}
+
+/// What a search did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SearchCounts {
+    /// Vectors that were compared with the query.
+    pub distances: u64,
+    /// Beats of the datapath.
+    pub beats: u64,
+    /// Blocks that were read.
+    pub blocks: u64,
+    /// Candidates whose neighbours were read.
+    pub expansions: u64,
+}
+
+/// What the unit returns for a job.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchReply {
+    /// How it ended.
+    pub status: SearchStatus,
+    /// The neighbours, the best first, and of equal ranks the lower index first.
+    pub neighbours: Vec<Neighbour>,
+    /// What it did.
+    pub counts: SearchCounts,
+}
+
+/// Does the job at an address. `base` has the upper 32 bits of all addresses.
+///
+/// A vector whose rank is NaN is no neighbour: one with an element that is NaN, or with infinities whose difference or
+/// sum has none, or with the cosine of a vector of zeros.
+pub fn search(memory: &(impl Memory + ?Sized), base: u32, job: u32) -> SearchReply {
+    let mut search = Search { memory, base, counts: SearchCounts::default() };
+    let (status, neighbours) = match search.run(job) {
+        Ok(Some(neighbours)) => (SearchStatus::Done, neighbours),
+        Ok(None) => (SearchStatus::Refused, Vec::new()),
+        Err(MemoryError(_)) => (SearchStatus::Memory, Vec::new()),
+    };
+    SearchReply { status, neighbours, counts: search.counts }
+}
+
+struct Search<'m, M: ?Sized> {
+    memory: &'m M,
+    base: u32,
+    counts: SearchCounts,
+}
+
+impl<M: Memory + ?Sized> Search<'_, M> {
+    /// The neighbours; none if the job is refused.
+    fn run(&mut self, address: u32) -> Result<Option<Vec<Neighbour>>, MemoryError> {
+        let words = self.words(address, JOB_BYTES / 4)?;
+        let Some(job) = words.try_into().ok().and_then(|words| SearchJob::from_words(words).ok()) else {
+            return Ok(None);
+        };
+        let query = self.vector(&job, job.query)?;
+        let query_norm = match job.metric {
+            SearchMetric::Cosine => self.sums(&job, &query, &query).norm,
+            _ => 1.0,
+        };
+        let mut seen = Seen { job, query, query_norm, indices: HashSet::new(), list: BestList::new(job.k) };
+        match job.place {
+            Place::Scan => (0..job.count).try_for_each(|index| self.compare(&mut seen, index))?,
+            Place::Gather { list, len } => self.compare_list(&mut seen, list, len)?,
+            Place::Graph { neighbours, degree, entries, entry_count, candidates, expansions } => {
+                seen.list = BestList::new(candidates);
+                self.compare_list(&mut seen, entries, entry_count)?;
+                let stride = (4 * degree).next_multiple_of(SEARCH_BLOCK);
+                while self.counts.expansions < u64::from(expansions)
+                    && let Some(index) = seen.list.expand()
+                {
+                    self.counts.expansions += 1;
+                    self.compare_list(&mut seen, neighbours.wrapping_add(index.wrapping_mul(stride)), degree)?;
+                }
+            }
+        }
+        let of = |Candidate { index, distance, .. }| Neighbour { index, distance };
+        Ok(Some(seen.list.into_best(job.k).map(of).collect()))
+    }
+
+    fn compare_list(&mut self, seen: &mut Seen, list: u32, len: u32) -> Result<(), MemoryError> {
+        let indices = self.words(list, len)?;
+        indices.into_iter().try_for_each(|index| self.compare(seen, index))
+    }
+
+    /// Compares a vector with the query, unless there is none of this index, or it was compared before.
+    fn compare(&mut self, seen: &mut Seen, index: u32) -> Result<(), MemoryError> {
+        let job = seen.job;
+        if index >= job.count || !seen.indices.insert(index) {
+            return Ok(());
+        }
+        let vector = self.vector(&job, job.vectors.wrapping_add(index.wrapping_mul(job.stride)))?;
+        let sums = self.sums(&job, &seen.query, &vector);
+        let (rank, distance) = ranked(job.metric, sums, seen.query_norm);
+        if rank <= job.bound {
+            seen.list.offer(Candidate { rank, index, distance, is_expanded: false });
+        }
+        Ok(())
+    }
+
+    fn sums(&mut self, job: &SearchJob, query: &[f32], vector: &[f32]) -> Sums {
+        let (sums, beats) = distance::sums(job.metric, query, vector);
+        self.counts.distances += 1;
+        self.counts.beats += beats;
+        sums
+    }
+
+    fn vector(&mut self, job: &SearchJob, address: u32) -> Result<Vec<f32>, MemoryError> {
+        let layout = VectorLayout { elements: job.elements, dimensions: job.dimensions };
+        Ok(layout.vector(&self.blocks(address, layout.bytes())?))
+    }
+
+    fn words(&mut self, address: u32, count: u32) -> Result<Vec<u32>, MemoryError> {
+        let blocks = self.blocks(address, count.saturating_mul(4))?;
+        let words = blocks.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
+        Ok(words.take(count as usize).collect())
+    }
+
+    /// The blocks of so many bytes.
+    fn blocks(&mut self, address: u32, bytes: u32) -> Result<Vec<u8>, MemoryError> {
+        let mut blocks = Vec::new();
+        for offset in (0..bytes).step_by(SEARCH_BLOCK as usize) {
+            let address = u64::from(self.base) << 32 | u64::from(address.wrapping_add(offset));
+            blocks.extend_from_slice(self.memory.block(address, SEARCH_BLOCK)?);
+            self.counts.blocks += 1;
+        }
+        Ok(blocks)
+    }
+}
+
+/// What a search keeps.
+struct Seen {
+    job: SearchJob,
+    query: Vec<f32>,
+    query_norm: f32,
+    /// The indices that were compared. A candidate that is offered again changes nothing, so hardware may forget some.
+    indices: HashSet<u32>,
+    list: BestList,
+}
+
+/// The rank of a vector, the lower the better, and its distance. For the cosine, the rank is the squared cosine times
+/// the query's squared norm, with the cosine's sign, in two roundings: vectors whose cosines differ by less than a few
+/// units in the last place may be in either order.
+fn ranked(metric: SearchMetric, Sums { sum, norm }: Sums, query_norm: f32) -> (f32, f32) {
+    match metric {
+        SearchMetric::Euclidean => (sum, sum.sqrt()),
+        SearchMetric::Dot => (-sum, sum),
+        SearchMetric::Cosine => (-(sum / norm * sum.abs()), sum / (query_norm.sqrt() * norm.sqrt())),
+    }
+}

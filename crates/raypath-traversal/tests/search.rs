@@ -1,0 +1,214 @@
+//! Searches against exact arithmetic over integers, written anew.
+
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_traversal::search::{
+    Elements, ImageError, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchReply, SearchStatus,
+    VectorLayout, search,
+};
+use std::collections::BTreeSet;
+
+/// Vectors of small integers, whose sums of products are exact in binary32, with the query behind them.
+struct Subject {
+    rows: Vec<Vec<i64>>,
+    query: Vec<i64>,
+    image: SearchImage,
+    job: SearchJob,
+}
+
+const ELEMENTS: [Elements; 3] = [Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 1.0 }];
+
+impl Subject {
+    fn new(seed: u64, count: u32, dimensions: u32, elements: Elements, metric: SearchMetric) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut row = || -> Vec<i64> { (0..dimensions).map(|_| random.random_range(-9..=9)).collect() };
+        let rows: Vec<Vec<i64>> = (0..count).map(|_| row()).collect();
+        let query = row();
+        let layout = VectorLayout { elements, dimensions };
+        let mut image = SearchImage::new();
+        let numbers = |rows: &[Vec<i64>]| -> Vec<f32> { rows.iter().flatten().map(|x| *x as f32).collect() };
+        let vectors = image.vectors(layout, &numbers(&rows)).expect("vectors");
+        let place = image.vectors(layout, &numbers(std::slice::from_ref(&query))).expect("a query");
+        let job = SearchJob {
+            metric,
+            elements,
+            dimensions,
+            query: place,
+            vectors,
+            stride: layout.bytes(),
+            count,
+            k: 10,
+            bound: f32::INFINITY,
+            place: Place::Scan,
+        };
+        Self { rows, query, image, job }
+    }
+
+    fn run(&mut self, job: SearchJob) -> SearchReply {
+        let address = self.image.job(&job).expect("a job");
+        search(&self.image, 0, address)
+    }
+
+    /// The rank of a vector as a fraction of integers with a positive denominator, the lower the better; none of a
+    /// cosine that does not exist.
+    fn rank(&self, index: u32) -> Option<(i64, i64)> {
+        let pairs = || self.query.iter().zip(&self.rows[index as usize]);
+        let dot: i64 = pairs().map(|(a, b)| a * b).sum();
+        match self.job.metric {
+            SearchMetric::Euclidean => Some((pairs().map(|(a, b)| (a - b) * (a - b)).sum(), 1)),
+            SearchMetric::Dot => Some((-dot, 1)),
+            SearchMetric::Cosine => {
+                let norm = pairs().map(|(_, b)| b * b).sum();
+                (norm > 0).then_some((-dot * dot.abs(), norm))
+            }
+        }
+    }
+
+    /// The indices in the order of their ranks.
+    fn sorted(&self, indices: impl IntoIterator<Item = u32>) -> Vec<u32> {
+        let mut ranked: Vec<((i64, i64), u32)> =
+            indices.into_iter().filter_map(|index| Some((self.rank(index)?, index))).collect();
+        ranked.sort_by(|((a, b), i), ((c, d), j)| (a * d).cmp(&(c * b)).then(i.cmp(j)));
+        ranked.into_iter().map(|(_, index)| index).collect()
+    }
+}
+
+fn indices(reply: &SearchReply) -> Vec<u32> {
+    reply.neighbours.iter().map(|neighbour| neighbour.index).collect()
+}
+
+const METRICS: [SearchMetric; 3] = [SearchMetric::Euclidean, SearchMetric::Dot, SearchMetric::Cosine];
+
+/// Equal ranks are frequent: there are few dimensions of few values.
+#[test]
+fn scans_have_the_order_of_exact_ranks() {
+    for (seed, metric) in (1..4).flat_map(|seed| METRICS.map(|metric| (seed, metric))) {
+        for (dimensions, elements) in [1, 2, 7, 16, 17, 40].into_iter().flat_map(|n| ELEMENTS.map(|e| (n, e))) {
+            let mut subject = Subject::new(seed, 150, dimensions, elements, metric);
+            for k in [1, 10, 64] {
+                let reply = subject.run(SearchJob { k, ..subject.job });
+                let expected: Vec<u32> = subject.sorted(0..150).into_iter().take(k as usize).collect();
+                // Two roundings make the ranks of some cosines equal that differ.
+                if metric != SearchMetric::Cosine {
+                    assert_eq!(indices(&reply), expected, "{metric:?}, {dimensions} {elements:?}, {k}");
+                }
+                let exact = |Neighbour { index, distance }: &Neighbour| {
+                    let (rank, norm) = subject.rank(*index).expect("a rank");
+                    let query: i64 = subject.query.iter().map(|x| x * x).sum();
+                    let exact = match metric {
+                        SearchMetric::Euclidean => (rank as f64).sqrt(),
+                        SearchMetric::Dot => -rank as f64,
+                        SearchMetric::Cosine => {
+                            (-rank as f64).signum() * (rank.abs() as f64 / norm as f64 / query as f64).sqrt()
+                        }
+                    };
+                    (f64::from(*distance) - exact).abs() <= 4e-7 * exact.abs()
+                };
+                assert!(reply.neighbours.iter().all(exact), "{metric:?}: {reply:?}");
+                assert_eq!(reply.neighbours.len(), expected.len());
+            }
+        }
+    }
+}
+
+#[test]
+fn lists_name_vectors_once_and_a_bound_leaves_those_behind_it_out() {
+    let mut subject = Subject::new(5, 100, 20, Elements::Binary32, SearchMetric::Euclidean);
+    let list = [7, 99, 100, 7, 3, u32::MAX, 50, 3, 0];
+    let address = subject.image.lists(list.len() as u32, [&list[..]].into_iter()).expect("a list");
+    let place = Place::Gather { list: address, len: list.len() as u32 };
+    let reply = subject.run(SearchJob { place, ..subject.job });
+    assert_eq!(indices(&reply), subject.sorted([7, 99, 3, 50, 0]));
+    assert_eq!(reply.counts.distances, 5);
+
+    let sorted = subject.sorted(0..100);
+    let bound = subject.rank(sorted[4]).expect("a rank").0;
+    let within: Vec<u32> =
+        sorted.into_iter().filter(|index| subject.rank(*index).expect("a rank").0 <= bound).collect();
+    let reply = subject.run(SearchJob { bound: bound as f32, ..subject.job });
+    assert_eq!(indices(&reply), within);
+    let reply = subject.run(SearchJob { bound: -1.0, count: 0, ..subject.job });
+    assert_eq!((reply.status, reply.neighbours.len()), (SearchStatus::Done, 0));
+}
+
+/// The same search with sets: the best `candidates` of all that were seen, and those that were expanded.
+fn best_first(subject: &Subject, lists: &[Vec<u32>], entries: &[u32], candidates: usize, most: usize) -> Vec<u32> {
+    let mut seen: BTreeSet<u32> = entries.iter().copied().filter(|index| *index < subject.job.count).collect();
+    let mut expanded = BTreeSet::new();
+    loop {
+        let best: Vec<u32> = subject.sorted(seen.iter().copied()).into_iter().take(candidates).collect();
+        let next = best.iter().find(|index| !expanded.contains(*index)).filter(|_| expanded.len() < most);
+        let Some(next) = next else { return best.into_iter().take(subject.job.k as usize).collect() };
+        expanded.insert(*next);
+        seen.extend(lists[*next as usize].iter().copied().filter(|index| *index < subject.job.count));
+    }
+}
+
+#[test]
+fn graphs_are_searched_best_first() {
+    for (seed, degree) in (1..6).flat_map(|seed| [0, 1, 5, 16, 17].map(|degree| (seed, degree))) {
+        let mut subject = Subject::new(seed, 200, 12, Elements::Binary32, SearchMetric::Euclidean);
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        // Some words name no vector, some the vector itself.
+        let lists: Vec<Vec<u32>> =
+            (0..200).map(|_| (0..degree).map(|_| random.random_range(0..210)).collect()).collect();
+        let neighbours = subject.image.lists(degree, lists.iter().map(Vec::as_slice)).expect("a graph");
+        let entries: Vec<u32> = (0..3).map(|_| random.random_range(0..210)).collect();
+        let entry_list = subject.image.lists(3, [&entries[..]].into_iter()).expect("a list");
+        for (candidates, expansions) in [(10, 1000), (32, 1000), (32, 4), (256, 0)] {
+            let place =
+                Place::Graph { neighbours, degree, entries: entry_list, entry_count: 3, candidates, expansions };
+            let reply = subject.run(SearchJob { place, ..subject.job });
+            let expected = best_first(&subject, &lists, &entries, candidates as usize, expansions as usize);
+            assert_eq!(indices(&reply), expected, "{seed}, {degree}, {candidates}, {expansions}");
+            assert!(reply.counts.expansions <= expansions.into());
+        }
+    }
+}
+
+#[test]
+fn special_numbers_and_bad_jobs_have_a_stated_outcome() {
+    let mut image = SearchImage::new();
+    let layout = VectorLayout { elements: Elements::Binary32, dimensions: 2 };
+    let rows = [f32::NAN, 0.0, f32::INFINITY, 1.0, 3.0, 4.0, 0.0, 0.0];
+    let vectors = image.vectors(layout, &rows).expect("vectors");
+    let query = image.vectors(layout, &[0.0, 0.0]).expect("a query");
+    let (metric, place) = (SearchMetric::Euclidean, Place::Scan);
+    let job = SearchJob {
+        metric,
+        elements: Elements::Binary32,
+        dimensions: 2,
+        query,
+        vectors,
+        stride: layout.bytes(),
+        count: 4,
+        k: 10,
+        bound: f32::INFINITY,
+        place,
+    };
+    let address = image.job(&job).expect("a job");
+    let reply = search(&image, 0, address);
+    let found: Vec<(u32, f32)> = reply.neighbours.iter().map(|n| (n.index, n.distance)).collect();
+    assert_eq!(found, [(3, 0.0), (2, 5.0), (1, f32::INFINITY)]);
+
+    let status = |image: &mut SearchImage, job: SearchJob| {
+        let address = image.job(&job).expect("a job");
+        search(image, 0, address).status
+    };
+    let outside = SearchJob { count: 1 << 20, ..job };
+    assert_eq!(status(&mut image, outside), SearchStatus::Memory);
+    assert_eq!(search(&image, 1, address).status, SearchStatus::Memory);
+    for (refused, word) in [
+        (SearchJob { k: 0, ..job }, 0),
+        (SearchJob { k: 65, ..job }, 0),
+        (SearchJob { dimensions: 4097, ..job }, 1),
+        (SearchJob { query: 4, ..job }, 2),
+        (SearchJob { stride: 0, ..job }, 4),
+        (SearchJob { bound: f32::NAN, ..job }, 11),
+    ] {
+        assert_eq!(SearchJob::from_words(refused.words()).expect_err("a refusal").word, word, "{refused:?}");
+        assert_eq!(status(&mut image, refused), SearchStatus::Refused);
+    }
+    let int8 = VectorLayout { elements: Elements::Int8 { scale: 0.5 }, dimensions: 1 };
+    assert_eq!(image.vectors(int8, &[0.5, 0.3]), Err(ImageError::Element(1)));
+}
