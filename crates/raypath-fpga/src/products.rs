@@ -72,13 +72,16 @@ mod tests {
         assert_eq!(values, pairs.iter().map(|[a, b]| a * b).collect::<Vec<_>>());
     }
 
-    /// The primitive with a model of it: Yosys merges the registers and the product of both, so nothing is left to prove.
+    /// The primitive with a model of it: Yosys merges the registers and the product of both, so nothing is left to
+    /// prove.
     #[test]
     fn the_primitive_does_what_the_text_does() {
         let folder = temporary_folder().expect("a folder");
         let place = |name: &str| folder.path().join(name);
-        let text = raypath_float::multiplier(18, 18).and_then(|module| verilog::text(&module)).expect("text");
-        write(&place("text.sv"), &text.replace("raypath_mul_18x18", "by_text")).expect("a file");
+        let module = raypath_float::multiplier(MULTIPLIER_BITS, MULTIPLIER_BITS).expect("a module");
+        assert_eq!(module.name(), MULTIPLIER);
+        let text = verilog::text(&module).expect("text");
+        write(&place("text.sv"), &text.replace(MULTIPLIER, "by_text")).expect("a file");
         for (name, model) in [("model.v", include_str!("../tests/data/MULT18X18D.v")), ("primitive.v", PRIMITIVE)] {
             write(&place(name), model).expect("a file");
         }

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::names::fresh;
-use crate::netlist::{Driver, Instance, Item, Module, SignalId};
+use crate::netlist::{Driver, Instance, Item, Module, Signal, SignalId};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
@@ -32,32 +32,30 @@ pub fn with_multipliers(
         name: "products".to_string(),
         problem: "have gates before or behind them, expected ports".to_string(),
     };
-    let is_product = |id: SignalId| matches!(part.signal(id).driver, Driver::Mul(..));
-    let operands = |of_products: bool| {
-        let signals = part.signals.iter().filter(move |signal| {
-            !signal.driver.is_wiring() && matches!(signal.driver, Driver::Mul(..)) == of_products
-        });
-        signals.flat_map(|signal| signal.driver.operands()).flat_map(|id| sources(part, id))
-    };
-    let shown = |id: SignalId| sources(part, id);
-    let read_by_products: BTreeSet<SignalId> = operands(true).collect();
-    let ports = part.outputs.iter().map(|port| port.signal);
-    let read_by_others: BTreeSet<SignalId> = operands(false).chain(ports.flat_map(shown)).collect();
-    let is_port = |id: &SignalId| matches!(part.signal(*id).driver, Driver::Input) && !read_by_others.contains(id);
-    let are_operands_ports = read_by_products.iter().all(is_port);
-    let is_of_products = |id: SignalId| shown(id).iter().any(|id| is_product(*id));
-    let mut products = part.outputs.iter().filter(|port| is_of_products(port.signal)).peekable();
-    let is_read_by_gates = operands(false).any(is_product);
-    if products.peek().is_none() || !are_operands_ports || is_read_by_gates {
+    let is_product = |id: &SignalId| matches!(part.signal(*id).driver, Driver::Mul(..));
+    // What the products read, and what gates do.
+    let [factors, others] = [true, false].map(|of_products| -> BTreeSet<SignalId> {
+        let is_one =
+            |signal: &&Signal| !signal.driver.is_wiring() && matches!(signal.driver, Driver::Mul(..)) == of_products;
+        let operands = part.signals.iter().filter(is_one).flat_map(|signal| signal.driver.operands());
+        operands.flat_map(|id| sources(part, id)).collect()
+    });
+    let is_apart = |id: &SignalId| !is_product(id) && !factors.contains(id);
+    let are_inputs = factors.iter().all(|id| matches!(part.signal(*id).driver, Driver::Input));
+    let mut outputs = BTreeSet::new();
+    for port in &part.outputs {
+        let shown = sources(part, port.signal);
+        if shown.iter().any(is_product) && shown.iter().all(is_product) {
+            outputs.insert(port.stem().to_string());
+        } else if !shown.iter().all(is_apart) {
+            return Err(refused());
+        }
+    }
+    if outputs.is_empty() || !are_inputs || !others.iter().all(is_apart) {
         return Err(refused());
     }
-    let outputs: Vec<_> = products.collect();
-    if outputs.iter().any(|port| !shown(port.signal).iter().all(|id| is_product(*id))) {
-        return Err(refused());
-    }
-    let inputs = part.inputs.iter().filter(|port| read_by_products.contains(&port.signal));
-    let [inputs, outputs] = [inputs.collect(), outputs]
-        .map(|ports: Vec<_>| ports.iter().map(|port| port.stem().to_string()).collect::<BTreeSet<_>>());
+    let inputs = part.inputs.iter().filter(|port| factors.contains(&port.signal));
+    let inputs = inputs.map(|port| port.stem().to_string()).collect();
 
     let mut module = Module::clone(part);
     let mut taken: HashSet<String> = part.names().collect();

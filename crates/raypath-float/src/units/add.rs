@@ -83,13 +83,7 @@ fn unit(format: Format, with_flags: bool, divided_for: Option<Technology>) -> Re
     let addend = smaller.upper(s).named("addend");
     let propagate = (augend ^ addend).extend(s + 1);
     let propagate = if completes { propagate } else { propagate.named("propagate") };
-    let sum = match has_lookahead {
-        true => {
-            let sum = lookahead::add(augend, addend, None, "sum");
-            m.concat(&[sum.carry, sum.word])
-        }
-        false => augend.extend(s + 1) + addend.extend(s + 1),
-    };
+    let sum = lookahead::sum(augend, addend, has_lookahead, "sum");
     let (propagate, carries) = match completes {
         true => (sum.named("without_carry"), m.constant(s + 1, 0)),
         false => (propagate, (sum ^ propagate).named("carries")),

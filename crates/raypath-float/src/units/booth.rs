@@ -10,13 +10,7 @@ use raypath_hdl::Wire;
 /// Three times the multiplicand without its lowest bit, which is that of the multiplicand. The other multiples are
 /// shifts.
 pub(crate) fn triple_above(multiplicand: Wire<'_>, has_lookahead: bool) -> Wire<'_> {
-    let width = multiplicand.width();
-    let half = multiplicand.upper(width - 1);
-    if has_lookahead {
-        let sum = lookahead::add(half.extend(width), multiplicand, None, "triple");
-        return multiplicand.builder().concat(&[sum.carry, sum.word]);
-    }
-    half.extend(width + 1) + multiplicand.extend(width + 1)
+    lookahead::sum(multiplicand.upper(multiplicand.width() - 1), multiplicand, has_lookahead, "triple")
 }
 
 /// Rows whose sum is `multiplicand * multiplier`, modulo 2 to the number of `columns`, at least as many as both have

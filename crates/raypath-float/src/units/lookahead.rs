@@ -66,6 +66,17 @@ pub(crate) fn add<'m>(a: Wire<'m>, b: Wire<'m>, entering: Option<Wire<'m>>, name
     }
 }
 
+/// The sum of two words with its carry, a bit wider than the wider one: with a lookahead, or by the operator `+`, whose
+/// carries ripple through gates, and have chains in an FPGA.
+pub(crate) fn sum<'m>(a: Wire<'m>, b: Wire<'m>, has_lookahead: bool, name: &str) -> Wire<'m> {
+    let width = a.width().max(b.width());
+    if !has_lookahead {
+        return a.extend(width + 1) + b.extend(width + 1);
+    }
+    let Sum { word, carry } = add(a.extend(width), b.extend(width), None, name);
+    a.builder().concat(&[carry, word])
+}
+
 /// A word plus one, modulo two to its width. `name` is the prefix of the signals inside.
 pub(crate) fn increment<'m>(word: Wire<'m>, name: &str) -> Wire<'m> {
     let m = word.builder();

@@ -3,7 +3,8 @@
 //! Hardware: an adder for the exponents. For the significands, one multiple of the multiplicand for every three bits of
 //! the multiplier (`booth.rs`), full adders that reduce them to two rows (`compress.rs`), and a carry-lookahead adder
 //! (`lookahead.rs`); or the operator `*`, for which synthesis takes the multipliers of an FPGA; or products for these
-//! multipliers (`partial.rs`). Then the product is rounded (`round.rs`). If operands or exponents alone determine the result, its class replaces the exponent.
+//! multipliers (`partial.rs`). Then the product is rounded (`round.rs`). If operands or exponents alone determine the
+//! result, its class replaces the exponent.
 //!
 //! Checked by `verify multiplication` (lemmas and symfpu, all operands), `unit-proofs` (the unit in parts) and
 //! `testfloat` (SoftFloat).
@@ -86,8 +87,8 @@ pub fn mul(format: Format, product: Product, with_flags: bool) -> Result<Arc<Mod
     unit(format, product, with_flags, false)
 }
 
-/// The multiplier of [`mul`], to be [divided](raypath_hdl::divide()). In gates, the carries of the adder for three times
-/// the multiplicand do not ripple, so that a cut can be inside.
+/// The multiplier of [`mul`], to be [divided](raypath_hdl::divide()). In gates, the carries of the adder for three
+/// times the multiplicand do not ripple, so that a cut can be inside.
 pub fn mul_to_divide(format: Format, product: Product, with_flags: bool) -> Result<Arc<Module>, Error> {
     unit(format, product, with_flags, true)
 }

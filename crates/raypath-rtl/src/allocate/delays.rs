@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 pub enum Delay {
     /// A memory that shows the number after this number of cycles, at the boundary that ends the run.
     Memory(u32),
-    /// Wires: the memory of an earlier boundary shows the number.
+    /// Wires: the memory of an earlier boundary shows the number, or a register inside a unit has it.
     Wires,
 }
 

@@ -59,8 +59,8 @@ declare_parameters! {
         delay_lines ("delay-lines"): u32 as DelayLines = 0,
         /// Clock gates, so that registers get a clock edge only when they load a value that the job uses.
         clock_gating ("clock-gating"): bool = false,
-        /// How a multiplier multiplies significands: in gates (Booth), or for the DSP blocks of an FPGA with `*`, or with
-        /// modules that have the registers of these blocks.
+        /// How a multiplier multiplies significands: in gates (Booth), or for the DSP blocks of an FPGA with `*`, or
+        /// with modules that have the registers of these blocks.
         multiplier ("multiplier"): Multiplier = Multiplier::Booth,
     }
 }

@@ -129,12 +129,9 @@ impl<'m, 'p> Registers<'m, 'p> {
         let mut shown: BTreeMap<&str, Wire<'m>> = BTreeMap::new();
         let mut lines: BTreeMap<u32, Vec<&Next<'m>>> = BTreeMap::new();
         for next in &self.next {
-            match delays.get(&next.name).copied() {
+            match delays.get(&next.name).copied().or(next.is_inside.then_some(Delay::Wires)) {
                 Some(Delay::Memory(cycles)) => lines.entry(cycles).or_default().push(next),
                 Some(Delay::Wires) => {
-                    shown.insert(&next.name, next.wire);
-                }
-                None if next.is_inside => {
                     shown.insert(&next.name, next.wire);
                 }
                 None => {

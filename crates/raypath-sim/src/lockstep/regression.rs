@@ -184,7 +184,8 @@ impl RegressionChecks {
             };
             expect(measured == Some(specified), || format!("{kind}: {measured:?}, expected {specified}"))?;
         }
-        // A job of each kind in a round. The next round begins at once, or when the addition for an accumulator is done.
+        // A job of each kind in a round. The next round begins at once, or when the addition for an accumulator is
+        // done.
         const ROUNDS: usize = 50;
         let apart = kinds.iter().map(|kind| netlist.shape().interval(kind.opcode()) as u64).max().unwrap_or(0);
         let round_cycles = apart.max(kinds.len() as u64 * interval);

@@ -2,10 +2,7 @@
 
 use super::SEARCH_BLOCK;
 use super::job::SearchMetric;
-use raypath_ops::{
-    Angular, AngularState, Beat, BeatInput, Binary32, Circuit, Euclidean, EuclideanState, Flags, Num, Operation,
-    Rounding, array_of,
-};
+use raypath_ops::{Angular, AngularState, Beat, BeatInput, Binary32, Euclidean, EuclideanState, Operation, Rounding};
 
 /// The elements of vectors in memory. The unit widens them to binary32.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +59,7 @@ impl Elements {
     }
 
     /// The elements of a block.
-    fn of_block(self, block: &[u8]) -> impl Iterator<Item = f32> {
+    pub(super) fn of_block(self, block: &[u8]) -> impl Iterator<Item = f32> {
         block.chunks_exact(self.bytes() as usize).map(move |bytes| match (self, bytes) {
             (Self::Binary32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
             (Self::Binary16, &[a, b]) => half::f16::from_le_bytes([a, b]).to_f32(),
@@ -77,44 +74,44 @@ impl VectorLayout {
     pub fn bytes(self) -> u32 {
         (self.dimensions * self.elements.bytes()).next_multiple_of(SEARCH_BLOCK)
     }
-
-    /// The elements of a vector in these blocks.
-    pub(super) fn vector(self, blocks: &[u8]) -> Vec<f32> {
-        self.elements.of_block(blocks).take(self.dimensions as usize).collect()
-    }
 }
 
 /// The sums of a vector with the query: of squared differences, or of products, and of its squares.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Sums {
     pub sum: f32,
     pub norm: f32,
 }
 
-/// The sums that the datapath accumulates, and the beats that they take.
+/// The sums that the datapath accumulates, and the beats that they take. The vectors have the same dimensions.
 pub fn sums(metric: SearchMetric, query: &[f32], vector: &[f32]) -> (Sums, u64) {
-    let c = Binary32;
-    if metric == SearchMetric::Euclidean {
-        let operation = Euclidean::<LANES> { rounding: Rounding::Unit };
-        let run = |state, euclidean| operation.run(c, BeatInput { euclidean }, state).1;
-        let state: EuclideanState<Binary32> = beats(query, vector).fold(EuclideanState::zero(c), run);
-        return (Sums { sum: state.accumulator.into(), norm: 0.0 }, query.len().div_ceil(LANES) as u64);
-    }
-    let operation = Angular::<HALF> { rounding: Rounding::Unit };
-    let run = |state, euclidean| operation.run(c, BeatInput { euclidean }, state).1;
-    let state: AngularState<Binary32> = beats(query, vector).fold(AngularState::zero(c), run);
-    (Sums { sum: state.dot_product.into(), norm: state.norm.into() }, query.len().div_ceil(HALF) as u64)
+    let (lanes, sums) = match metric {
+        SearchMetric::Euclidean => {
+            let operation = Euclidean::<LANES> { rounding: Rounding::Unit };
+            let last = last_outcome(&operation, EuclideanState::zero(Binary32), query, vector);
+            (LANES, last.map(|last| Sums { sum: last.euclidean_accumulator.into(), norm: 0.0 }))
+        }
+        SearchMetric::Dot | SearchMetric::Cosine => {
+            let operation = Angular::<HALF> { rounding: Rounding::Unit };
+            let last = last_outcome(&operation, AngularState::zero(Binary32), query, vector);
+            let sums = last.map(|last| Sums { sum: last.angular_dot_product.into(), norm: last.angular_norm.into() });
+            (HALF, sums)
+        }
+    };
+    (sums.unwrap_or_default(), query.len().div_ceil(lanes) as u64)
 }
 
-/// The beats of a pair of vectors. The state after the last is taken before the accumulators restart.
-fn beats<'v, const N: usize>(query: &'v [f32], vector: &'v [f32]) -> impl Iterator<Item = Beat<Binary32, N>> + 'v {
-    query.chunks(N).zip(vector.chunks(N)).map(|(a, b)| {
-        let lane = |lanes: &[f32], i: usize| -> Num<Binary32> { lanes.get(i).copied().unwrap_or(0.0).into() };
-        Beat {
-            a: array_of!(i => lane(a, i)),
-            b: array_of!(i => lane(b, i)),
-            mask: Flags(array_of!(i => Binary32.bit(i < a.len()))),
-            reset_accum: Binary32.bit(false),
-        }
-    })
+/// The outcome of the last beat.
+fn last_outcome<O: Operation<Input<Binary32> = BeatInput<Binary32, N>>, const N: usize>(
+    operation: &O,
+    mut state: O::State<Binary32>,
+    query: &[f32],
+    vector: &[f32],
+) -> Option<O::Output<Binary32>> {
+    let mut last = None;
+    for euclidean in Beat::of(query, vector).into_iter().flatten() {
+        let (outcome, next) = operation.run(Binary32, BeatInput { euclidean }, state);
+        (last, state) = (Some(outcome), next);
+    }
+    last
 }

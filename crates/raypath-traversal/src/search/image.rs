@@ -40,6 +40,9 @@ impl SearchImage {
     /// # Errors
     /// More than 4 GiB; a number that is none of the elements.
     pub fn vectors(&mut self, layout: VectorLayout, numbers: &[f32]) -> Result<u32, ImageError> {
+        if let Some(number) = numbers.iter().position(|x| !layout.elements.has(*x)) {
+            return Err(ImageError::Element(number));
+        }
         let rows = numbers.chunks(layout.dimensions.max(1) as usize);
         let address = self.reserve(rows.len() as u64 * u64::from(layout.bytes()))?;
         let size = layout.elements.bytes() as usize;
@@ -48,8 +51,7 @@ impl SearchImage {
                 bytes.copy_from_slice(&layout.elements.encoded(*x)[..size]);
             }
         }
-        let wrong = numbers.iter().position(|x| !layout.elements.has(*x));
-        wrong.map_or(Ok(address), |number| Err(ImageError::Element(number)))
+        Ok(address)
     }
 
     /// Places lists of words, each of `len` words in whole blocks, one behind the other, and returns the address of the

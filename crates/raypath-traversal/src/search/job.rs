@@ -1,6 +1,6 @@
 //! A job of a search, and its layout in memory.
 
-use super::distance::Elements;
+use super::distance::{Elements, VectorLayout};
 use thiserror::Error;
 
 /// Bytes of a job: one block.
@@ -127,30 +127,36 @@ impl SearchJob {
         words
     }
 
+    /// The layout of its vectors.
+    pub fn layout(&self) -> VectorLayout {
+        VectorLayout { elements: self.elements, dimensions: self.dimensions }
+    }
+
+    /// The candidates that it keeps.
+    pub(super) fn kept(&self) -> u32 {
+        if let Place::Graph { candidates, .. } = self.place { candidates } else { self.k }
+    }
+
     /// The job of these words.
     ///
     /// # Errors
     /// A word that is outside its range.
     pub fn from_words(words: [u32; 16]) -> Result<Self, JobError> {
-        let is = |word: usize, is_valid: bool, expected| match is_valid {
-            true => Ok(()),
-            false => Err(JobError { word, found: words[word], expected }),
-        };
+        let refused = |word: usize, expected| JobError { word, found: words[word], expected };
+        let is = |word, is_valid: bool, expected| if is_valid { Ok(()) } else { Err(refused(word, expected)) };
         let part = |word: usize, low: u32, bits: u32| words[word] >> low & ((1 << bits) - 1);
         let aligned = |word: usize| is(word, words[word].is_multiple_of(JOB_BYTES), "an address of whole blocks");
         let (place, k) = (part(0, 0, 4), words[0] >> 16);
         is(0, place <= 2 && part(0, 12, 4) == 0, "a place of 0 to 2 and zeros in bits 15 to 12")?;
         is(0, (1..=MAX_NEIGHBOURS).contains(&k), "1 to 64 neighbours in bits 31 to 16")?;
         let metric = METRICS.get(part(0, 4, 4) as usize).copied();
-        let metric =
-            metric.ok_or(JobError { word: 0, found: words[0], expected: "a metric of 0 to 2 in bits 7 to 4" })?;
+        let metric = metric.ok_or(refused(0, "a metric of 0 to 2 in bits 7 to 4"))?;
         let elements = Elements::from_code(part(0, 8, 4), f32::from_bits(words[12]));
-        let elements =
-            elements.ok_or(JobError { word: 0, found: words[0], expected: "elements of 0 to 2 in bits 11 to 8" })?;
+        let elements = elements.ok_or(refused(0, "elements of 0 to 2 in bits 11 to 8"))?;
         let (dimensions, candidates) = (part(1, 0, 16), words[1] >> 16);
         is(1, (1..=MAX_DIMENSIONS).contains(&dimensions), "1 to 4096 dimensions in bits 15 to 0")?;
         (2..4).try_for_each(aligned)?;
-        let least = super::VectorLayout { elements, dimensions }.bytes();
+        let least = VectorLayout { elements, dimensions }.bytes();
         is(4, words[4].is_multiple_of(JOB_BYTES) && words[4] >= least, "a multiple of 64 that holds a vector")?;
         let place = match place {
             0 => Place::Scan,

@@ -1,10 +1,10 @@
 //! The functional model of a search.
 
-use super::distance::{self, Sums, VectorLayout};
+use super::distance::{self, Sums};
 use super::job::{Place, SearchJob, SearchMetric};
 use super::list::{BestList, Candidate};
 use super::{JOB_BYTES, SEARCH_BLOCK};
-use crate::model::{Memory, MemoryError};
+use crate::model::{Memory, MemoryError, RayRequest};
 use std::collections::HashSet;
 
 /// A neighbour of a query.
@@ -83,12 +83,11 @@ impl<M: Memory + ?Sized> Search<'_, M> {
             SearchMetric::Cosine => self.sums(&job, &query, &query).norm,
             _ => 1.0,
         };
-        let mut seen = Seen { job, query, query_norm, indices: HashSet::new(), list: BestList::new(job.k) };
+        let mut seen = Seen { job, query, query_norm, indices: HashSet::new(), list: BestList::new(job.kept()) };
         match job.place {
             Place::Scan => (0..job.count).try_for_each(|index| self.compare(&mut seen, index))?,
             Place::Gather { list, len } => self.compare_list(&mut seen, list, len)?,
-            Place::Graph { neighbours, degree, entries, entry_count, candidates, expansions } => {
-                seen.list = BestList::new(candidates);
+            Place::Graph { neighbours, degree, entries, entry_count, expansions, .. } => {
                 self.compare_list(&mut seen, entries, entry_count)?;
                 let stride = (4 * degree).next_multiple_of(SEARCH_BLOCK);
                 while self.counts.expansions < u64::from(expansions)
@@ -103,17 +102,18 @@ impl<M: Memory + ?Sized> Search<'_, M> {
         Ok(Some(seen.list.into_best(job.k).map(of).collect()))
     }
 
+    /// Compares the vectors of a list with the query, unless there is none of an index, or it was compared before.
     fn compare_list(&mut self, seen: &mut Seen, list: u32, len: u32) -> Result<(), MemoryError> {
-        let indices = self.words(list, len)?;
-        indices.into_iter().try_for_each(|index| self.compare(seen, index))
+        for index in self.words(list, len)? {
+            if index < seen.job.count && seen.indices.insert(index) {
+                self.compare(seen, index)?;
+            }
+        }
+        Ok(())
     }
 
-    /// Compares a vector with the query, unless there is none of this index, or it was compared before.
     fn compare(&mut self, seen: &mut Seen, index: u32) -> Result<(), MemoryError> {
         let job = seen.job;
-        if index >= job.count || !seen.indices.insert(index) {
-            return Ok(());
-        }
         let vector = self.vector(&job, job.vectors.wrapping_add(index.wrapping_mul(job.stride)))?;
         let sums = self.sums(&job, &seen.query, &vector);
         let (rank, distance) = ranked(job.metric, sums, seen.query_norm);
@@ -131,25 +131,29 @@ impl<M: Memory + ?Sized> Search<'_, M> {
     }
 
     fn vector(&mut self, job: &SearchJob, address: u32) -> Result<Vec<f32>, MemoryError> {
-        let layout = VectorLayout { elements: job.elements, dimensions: job.dimensions };
-        Ok(layout.vector(&self.blocks(address, layout.bytes())?))
+        let mut vector = Vec::with_capacity((job.layout().bytes() / job.elements.bytes()) as usize);
+        self.read(address, job.layout().bytes(), |block| vector.extend(job.elements.of_block(block)))?;
+        vector.truncate(job.dimensions as usize);
+        Ok(vector)
     }
 
     fn words(&mut self, address: u32, count: u32) -> Result<Vec<u32>, MemoryError> {
-        let blocks = self.blocks(address, count.saturating_mul(4))?;
-        let words = blocks.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
-        Ok(words.take(count as usize).collect())
+        let mut words = Vec::new();
+        self.read(address, count.saturating_mul(4), |block| {
+            words.extend(block.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)));
+        })?;
+        words.truncate(count as usize);
+        Ok(words)
     }
 
-    /// The blocks of so many bytes.
-    fn blocks(&mut self, address: u32, bytes: u32) -> Result<Vec<u8>, MemoryError> {
-        let mut blocks = Vec::new();
+    /// Reads the blocks of so many bytes.
+    fn read(&mut self, address: u32, bytes: u32, mut take: impl FnMut(&[u8])) -> Result<(), MemoryError> {
         for offset in (0..bytes).step_by(SEARCH_BLOCK as usize) {
-            let address = u64::from(self.base) << 32 | u64::from(address.wrapping_add(offset));
-            blocks.extend_from_slice(self.memory.block(address, SEARCH_BLOCK)?);
+            let address = RayRequest::address(self.base, address.wrapping_add(offset));
+            take(self.memory.block(address, SEARCH_BLOCK)?);
             self.counts.blocks += 1;
         }
-        Ok(blocks)
+        Ok(())
     }
 }
 
@@ -158,7 +162,7 @@ struct Seen {
     job: SearchJob,
     query: Vec<f32>,
     query_norm: f32,
-    /// The indices that were compared. A candidate that is offered again changes nothing, so hardware may forget some.
+    /// The indices of lists that were compared. A candidate that is offered again changes nothing, so hardware may forget some.
     indices: HashSet<u32>,
     list: BestList,
 }
