@@ -5,8 +5,8 @@ use crate::{Graph, Metric, Neighbour, SearchError, SearchResults, Vectors, Work}
 use rayon::prelude::*;
 use raypath_timing::{Progress, ProgressCounter};
 use raypath_traversal::search::{
-    Elements, MAX_CANDIDATES, MAX_DIMENSIONS, MAX_NEIGHBOURS, Place, SEARCH_BLOCK, SearchCounts, SearchImage,
-    SearchJob, SearchMetric, SearchReply, SearchStatus, VectorLayout, search,
+    Elements, Place, SEARCH_BLOCK, SearchCounts, SearchImage, SearchJob, SearchMetric, SearchParameters, SearchReply,
+    SearchStatus, VectorLayout, search,
 };
 use std::time::Instant;
 
@@ -26,6 +26,9 @@ raypath_ops::names! {
     /// The error of an unknown name of elements.
     ParseStoredAsError, "elements `{0}`, expected binary32, binary16 or int8"
 }
+
+/// The unit of the model.
+const UNIT: SearchParameters = SearchParameters::MOST;
 
 /// The results of a search by jobs.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,8 +64,8 @@ pub fn search_through_unit(
     progress: Progress,
 ) -> Result<UnitSearch, SearchError> {
     check(base.dimensions(), base.len(), queries.dimensions(), count)?;
-    in_job("neighbours", count, 1, MAX_NEIGHBOURS)?;
-    in_job("dimensions", base.dimensions(), 1, MAX_DIMENSIONS)?;
+    in_job("neighbours", count, 1, UNIT.neighbours)?;
+    in_job("dimensions", base.dimensions(), 1, UNIT.dimensions)?;
     let refused = |error: raypath_traversal::search::ImageError| SearchError::Parameter(error.to_string());
     let layout = VectorLayout { elements: stored.elements([base, queries]), dimensions: base.dimensions() as u32 };
     let mut image = SearchImage::new();
@@ -74,7 +77,7 @@ pub fn search_through_unit(
     let place = match graph {
         None => Place::Scan,
         Some((graph, candidates)) => {
-            in_job("candidates", candidates, count, MAX_CANDIDATES)?;
+            in_job("candidates", candidates, count, UNIT.candidates)?;
             let (degree, lists, entry) = graph.lowest_layer();
             let neighbours = image.lists(degree as u32, lists.into_iter()).map_err(refused)?;
             let entries = image.lists(1, [&[entry][..]].into_iter()).map_err(refused)?;
@@ -104,7 +107,7 @@ pub fn search_through_unit(
     let replies: Vec<Option<SearchReply>> = jobs
         .into_par_iter()
         .map(|address| {
-            let reply = (!progress.is_stopped()).then(|| search(&image, 0, address));
+            let reply = (!progress.is_stopped()).then(|| search(&image, 0, address, &UNIT));
             progress.add(1);
             reply
         })

@@ -36,7 +36,9 @@ pub use engine::{
 };
 pub use error::UnitError;
 pub use fold::{After, HitLimits, fold};
-pub use hardware::{UnitNetlist, UnitParameter, UnitParameters, UnitParametersError, fixed_parameters};
+pub use hardware::{
+    SearchPorts, UnitNetlist, UnitParameter, UnitParameters, UnitParametersError, fixed_parameters, search_engine,
+};
 pub use instance::{INSTANCE_KIND, Instance, Row, Transform, TransformInput, TransformOutput};
 pub use model::{Hit, HitInstance, Memory, MemoryError, Query, RayRequest, Reply, Unit};
 pub use netlist::{Netlist, Value};

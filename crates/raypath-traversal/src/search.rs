@@ -8,11 +8,14 @@ mod image;
 mod job;
 mod list;
 mod model;
+mod parameters;
+mod rank;
 
 pub use distance::{Elements, VectorLayout};
 pub use image::{ImageError, SearchImage};
-pub use job::{JOB_BYTES, JobError, MAX_CANDIDATES, MAX_DIMENSIONS, MAX_NEIGHBOURS, Place, SearchJob, SearchMetric};
+pub use job::{JOB_BYTES, JobError, Place, SearchJob, SearchMetric};
 pub use model::{Neighbour, SearchCounts, SearchReply, SearchStatus, search};
+pub use parameters::SearchParameters;
 
 /// Bytes of a block, which the unit reads at once.
 pub const SEARCH_BLOCK: u32 = 64;

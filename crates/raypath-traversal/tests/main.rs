@@ -10,6 +10,7 @@ mod quantised;
 mod queries;
 mod scenes;
 mod search;
+mod search_hardware;
 mod state;
 mod system;
 mod unit;

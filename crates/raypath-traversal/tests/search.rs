@@ -3,8 +3,8 @@
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_traversal::search::{
-    Elements, ImageError, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchReply, SearchStatus,
-    VectorLayout, search,
+    Elements, ImageError, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchParameters, SearchReply,
+    SearchStatus, VectorLayout, search,
 };
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ struct Subject {
     job: SearchJob,
 }
 
-const ELEMENTS: [Elements; 3] = [Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 1.0 }];
+const ELEMENTS: [Elements; 3] = [Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 0.25 }];
 
 impl Subject {
     fn new(seed: u64, count: u32, dimensions: u32, elements: Elements, metric: SearchMetric) -> Self {
@@ -46,7 +46,7 @@ impl Subject {
 
     fn run(&mut self, job: SearchJob) -> SearchReply {
         let address = self.image.job(&job).expect("a job");
-        search(&self.image, 0, address)
+        search(&self.image, 0, address, &SearchParameters::MOST)
     }
 
     /// The rank of a vector as a fraction of integers with a positive denominator, the lower the better; none of a
@@ -187,17 +187,17 @@ fn special_numbers_and_bad_jobs_have_a_stated_outcome() {
         place,
     };
     let address = image.job(&job).expect("a job");
-    let reply = search(&image, 0, address);
+    let reply = search(&image, 0, address, &SearchParameters::MOST);
     let found: Vec<(u32, f32)> = reply.neighbours.iter().map(|n| (n.index, n.distance)).collect();
     assert_eq!(found, [(3, 0.0), (2, 5.0), (1, f32::INFINITY)]);
 
     let status = |image: &mut SearchImage, job: SearchJob| {
         let address = image.job(&job).expect("a job");
-        search(image, 0, address).status
+        search(image, 0, address, &SearchParameters::MOST).status
     };
     let outside = SearchJob { count: 1 << 20, ..job };
     assert_eq!(status(&mut image, outside), SearchStatus::Memory);
-    assert_eq!(search(&image, 1, address).status, SearchStatus::Memory);
+    assert_eq!(search(&image, 1, address, &SearchParameters::MOST).status, SearchStatus::Memory);
     for (refused, word) in [
         (SearchJob { k: 0, ..job }, 0),
         (SearchJob { k: 65, ..job }, 0),
@@ -205,8 +205,13 @@ fn special_numbers_and_bad_jobs_have_a_stated_outcome() {
         (SearchJob { query: 4, ..job }, 2),
         (SearchJob { stride: 0, ..job }, 4),
         (SearchJob { bound: f32::NAN, ..job }, 11),
+        (SearchJob { elements: Elements::Int8 { scale: f32::NAN }, ..job }, 12),
     ] {
-        assert_eq!(SearchJob::from_words(refused.words()).expect_err("a refusal").word, word, "{refused:?}");
+        assert_eq!(
+            SearchJob::from_words(refused.words(), &SearchParameters::MOST).expect_err("a refusal").word,
+            word,
+            "{refused:?}"
+        );
         assert_eq!(status(&mut image, refused), SearchStatus::Refused);
     }
     let int8 = VectorLayout { elements: Elements::Int8 { scale: 0.5 }, dimensions: 1 };

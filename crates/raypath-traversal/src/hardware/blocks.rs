@@ -53,7 +53,7 @@ pub fn blocks(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let (beat, failed) = if beats == 1 {
         (None, error)
     } else {
-        let (beat, failed) = progress(m, contexts, beats, [valid, context, error])?;
+        let (beat, failed) = progress(m, "raypath_unit_progress", contexts, beats, [valid, context, error])?;
         (Some(beat), failed)
     };
     let is_beat = |number: u32| beat.map_or(valid, |beat| valid & beat.is(number.into()));
@@ -150,8 +150,9 @@ pub fn data_words<'m>(m: &'m Builder, name: &str, suffix: &str, width: u32) -> V
 }
 
 /// The number of the beat that arrives, and whether its block has an error so far.
-fn progress<'m>(
+pub fn progress<'m>(
     m: &'m Builder,
+    module: &str,
     contexts: u32,
     beats: u32,
     [valid, context, error]: [Wire<'m>; 3],
@@ -165,7 +166,7 @@ fn progress<'m>(
         .port("address", context)
         .port("beat", next_beat.wire())
         .port("failed", next_failed.wire())
-        .place(m, "u_progress", &registers("raypath_unit_progress", contexts, &[("beat", width), ("failed", 1)])?);
+        .place(m, "u_progress", &registers(module, contexts, &[("beat", width), ("failed", 1)])?);
     let beat = kept.port("beat");
     let failed = (kept.port("failed") | error).named("failed");
     next_beat.drive(beat + m.constant(width, 1));

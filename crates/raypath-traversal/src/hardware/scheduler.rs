@@ -22,19 +22,26 @@ pub fn scheduler(features: UnitFeatures) -> Result<Arc<Module>, Error> {
     m.doc("Which answer is the next step's: that of the first source after the one that was granted last.");
     m.doc(format!("The sources, from bit 0 on: {}.", sources.join(", ")));
     let request = m.input("request_i", count);
-    // The sources after the one that was granted last. The first is after none.
+    let grant = after_last(request, request.any());
+    m.output("grant_o", grant);
+    builder.finish()
+}
+
+/// One bit of `request`: the first after the one that was granted last, in a circle. A grant counts where `takes` is 1.
+pub fn after_last<'m>(request: Wire<'m>, takes: Wire<'m>) -> Wire<'m> {
+    let (m, count) = (request.builder(), request.width());
+    // The first is after none.
     let after = m.register("after_q", count - 1).reset_to(0);
     let later = (request.upper(count - 1) & after.wire()).named("later");
     let first_later = m.concat(&[lowest(later), m.constant(1, 0)]);
     let grant = later.any().mux(first_later, lowest(request)).named("grant").comment("x & (~x + 1): the lowest bit");
     let is_after = |source: u32| if source == 1 { grant.bit(0) } else { grant.lower(source).any() };
-    let behind: Vec<Wire<'_>> = (1..count).rev().map(is_after).collect();
-    after.next_when(request.any(), m.concat(&behind));
-    m.output("grant_o", grant);
-    builder.finish()
+    let behind: Vec<Wire<'m>> = (1..count).rev().map(is_after).collect();
+    after.next_when(takes, m.concat(&behind));
+    grant
 }
 
 /// The lowest bit of a word.
-fn lowest(word: Wire<'_>) -> Wire<'_> {
+pub fn lowest(word: Wire<'_>) -> Wire<'_> {
     word & (!word + word.builder().constant(word.width(), 1))
 }

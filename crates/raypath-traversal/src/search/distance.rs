@@ -4,7 +4,7 @@ use super::SEARCH_BLOCK;
 use super::job::SearchMetric;
 use raypath_ops::{Angular, AngularState, Beat, BeatInput, Binary32, Euclidean, EuclideanState, Operation, Rounding};
 
-/// The elements of vectors in memory. The unit widens them to binary32.
+/// The elements of vectors in memory. The unit widens them to binary32, which is exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Elements {
     /// binary32.
@@ -13,7 +13,8 @@ pub enum Elements {
     Binary16,
     /// Signed integers of 8 bits.
     Int8 {
-        /// Their unit: an element is the integer times this, rounded to nearest even.
+        /// Their unit, above 0 and finite. Vectors are ranked by their integers; it multiplies the distances that are
+        /// returned, and dot products twice.
         scale: f32,
     },
 }
@@ -50,7 +51,7 @@ impl Elements {
     }
 
     pub(super) fn scale(self) -> f32 {
-        if let Self::Int8 { scale } = self { scale } else { 0.0 }
+        if let Self::Int8 { scale } = self { scale } else { 1.0 }
     }
 
     /// Bytes of an element.
@@ -63,7 +64,7 @@ impl Elements {
         block.chunks_exact(self.bytes() as usize).map(move |bytes| match (self, bytes) {
             (Self::Binary32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
             (Self::Binary16, &[a, b]) => half::f16::from_le_bytes([a, b]).to_f32(),
-            (Self::Int8 { scale }, &[a]) => f32::from(a.cast_signed()) * scale,
+            (Self::Int8 { .. }, &[a]) => f32::from(a.cast_signed()),
             _ => 0.0,
         })
     }

@@ -1,19 +1,11 @@
 //! A job of a search, and its layout in memory.
 
 use super::distance::{Elements, VectorLayout};
+use super::parameters::SearchParameters;
 use thiserror::Error;
 
 /// Bytes of a job: one block.
 pub const JOB_BYTES: u32 = 64;
-
-/// The most neighbours that a job asks for.
-pub const MAX_NEIGHBOURS: u32 = 64;
-
-/// The most candidates that a job keeps.
-pub const MAX_CANDIDATES: u32 = 256;
-
-/// The most dimensions of vectors.
-pub const MAX_DIMENSIONS: u32 = 4096;
 
 /// A search. All addresses are of the lower 32 bits; what they name begins at a multiple of 64 bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,7 +14,7 @@ pub struct SearchJob {
     pub metric: SearchMetric,
     /// The elements of all vectors.
     pub elements: Elements,
-    /// The number of dimensions, 1 to [`MAX_DIMENSIONS`].
+    /// The number of dimensions, 1 to [`SearchParameters::dimensions`].
     pub dimensions: u32,
     /// The address of the query.
     pub query: u32,
@@ -32,10 +24,10 @@ pub struct SearchJob {
     pub stride: u32,
     /// The number of vectors. Indices from here on name none, and are skipped.
     pub count: u32,
-    /// The neighbours to return, 1 to [`MAX_NEIGHBOURS`]; fewer if there are no more.
+    /// The neighbours to return, 1 to [`SearchParameters::neighbours`]; fewer if there are no more.
     pub k: u32,
-    /// Only vectors count whose rank is at most this: the squared distance, or minus the dot product or the cosine's
-    /// monotone measure.
+    /// Only vectors count whose rank is at most this: the squared distance of their elements, or minus their dot product
+    /// or the cosine's monotone measure. The scale of integers is not in it.
     pub bound: f32,
     /// Where to look.
     pub place: Place,
@@ -75,7 +67,7 @@ pub enum Place {
         entries: u32,
         /// Its length.
         entry_count: u32,
-        /// The candidates that are kept, `k` to [`MAX_CANDIDATES`].
+        /// The candidates that are kept, `k` to [`SearchParameters::candidates`].
         candidates: u32,
         /// The most candidates whose neighbours are read.
         expansions: u32,
@@ -106,7 +98,7 @@ impl SearchJob {
     /// | 2 to 5 | | `query`, `vectors`, `stride`, `count` |
     /// | 6, 7 | | `list` or `neighbours`, `len` or `degree` |
     /// | 8 to 10 | | `entries`, `entry_count`, `expansions` |
-    /// | 11, 12 | | `bound` and the scale of integers, in binary32 |
+    /// | 11, 12 | | `bound` and the scale of integers, which is 1 for other elements, in binary32 |
     /// | 13 to 15 | | 0 |
     pub fn words(&self) -> [u32; 16] {
         let (place, list, len, graph) = match self.place {
@@ -137,24 +129,24 @@ impl SearchJob {
         if let Place::Graph { candidates, .. } = self.place { candidates } else { self.k }
     }
 
-    /// The job of these words.
+    /// The job of these words, in a unit of these parameters.
     ///
     /// # Errors
     /// A word that is outside its range.
-    pub fn from_words(words: [u32; 16]) -> Result<Self, JobError> {
+    pub fn from_words(words: [u32; 16], parameters: &SearchParameters) -> Result<Self, JobError> {
         let refused = |word: usize, expected| JobError { word, found: words[word], expected };
         let is = |word, is_valid: bool, expected| if is_valid { Ok(()) } else { Err(refused(word, expected)) };
         let part = |word: usize, low: u32, bits: u32| words[word] >> low & ((1 << bits) - 1);
         let aligned = |word: usize| is(word, words[word].is_multiple_of(JOB_BYTES), "an address of whole blocks");
         let (place, k) = (part(0, 0, 4), words[0] >> 16);
         is(0, place <= 2 && part(0, 12, 4) == 0, "a place of 0 to 2 and zeros in bits 15 to 12")?;
-        is(0, (1..=MAX_NEIGHBOURS).contains(&k), "1 to 64 neighbours in bits 31 to 16")?;
+        is(0, (1..=parameters.neighbours).contains(&k), "1 to the unit's number of neighbours in bits 31 to 16")?;
         let metric = METRICS.get(part(0, 4, 4) as usize).copied();
         let metric = metric.ok_or(refused(0, "a metric of 0 to 2 in bits 7 to 4"))?;
         let elements = Elements::from_code(part(0, 8, 4), f32::from_bits(words[12]));
         let elements = elements.ok_or(refused(0, "elements of 0 to 2 in bits 11 to 8"))?;
         let (dimensions, candidates) = (part(1, 0, 16), words[1] >> 16);
-        is(1, (1..=MAX_DIMENSIONS).contains(&dimensions), "1 to 4096 dimensions in bits 15 to 0")?;
+        is(1, (1..=parameters.dimensions).contains(&dimensions), "1 to the unit's dimensions in bits 15 to 0")?;
         (2..4).try_for_each(aligned)?;
         let least = VectorLayout { elements, dimensions }.bytes();
         is(4, words[4].is_multiple_of(JOB_BYTES) && words[4] >= least, "a multiple of 64 that holds a vector")?;
@@ -170,8 +162,8 @@ impl SearchJob {
                 is(7, words[7] <= u16::MAX.into(), "a degree of 0 to 65535")?;
                 is(
                     1,
-                    (k..=MAX_CANDIDATES).contains(&candidates),
-                    "as many candidates as neighbours to 256, in bits 31 to 16",
+                    (k..=parameters.candidates).contains(&candidates),
+                    "as many candidates as neighbours to those of the unit, in bits 31 to 16",
                 )?;
                 Place::Graph {
                     neighbours: words[6],
@@ -184,6 +176,9 @@ impl SearchJob {
             }
         };
         is(11, !f32::from_bits(words[11]).is_nan(), "a number")?;
+        let scale = f32::from_bits(words[12]);
+        is(12, scale > 0.0 && scale.is_finite(), "a finite number above 0")?;
+        (13..16).try_for_each(|word| is(word, words[word] == 0, "0"))?;
         let [query, vectors, stride, count] = [words[2], words[3], words[4], words[5]];
         let bound = f32::from_bits(words[11]);
         Ok(Self { metric, elements, dimensions, query, vectors, stride, count, k, bound, place })

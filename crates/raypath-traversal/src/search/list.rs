@@ -6,7 +6,6 @@ pub struct Candidate {
     /// Not NaN.
     pub rank: f32,
     pub index: u32,
-    pub distance: f32,
     /// Its neighbours have been read.
     pub is_expanded: bool,
 }

@@ -3,6 +3,8 @@
 use super::distance::{self, Sums};
 use super::job::{Place, SearchJob, SearchMetric};
 use super::list::{BestList, Candidate};
+use super::parameters::SearchParameters;
+use super::rank::{distance_of, rank_of};
 use super::{JOB_BYTES, SEARCH_BLOCK};
 use crate::model::{Memory, MemoryError, RayRequest};
 use std::collections::HashSet;
@@ -51,12 +53,12 @@ pub struct SearchReply {
     pub counts: SearchCounts,
 }
 
-/// Does the job at an address. `base` has the upper 32 bits of all addresses.
+/// Does the job at an address in a unit of these parameters. `base` has the upper 32 bits of all addresses.
 ///
 /// A vector whose rank is NaN is no neighbour: one with an element that is NaN, or with infinities whose difference or
 /// sum has none, or with the cosine of a vector of zeros.
-pub fn search(memory: &(impl Memory + ?Sized), base: u32, job: u32) -> SearchReply {
-    let mut search = Search { memory, base, counts: SearchCounts::default() };
+pub fn search(memory: &(impl Memory + ?Sized), base: u32, job: u32, parameters: &SearchParameters) -> SearchReply {
+    let mut search = Search { memory, base, parameters, counts: SearchCounts::default() };
     let (status, neighbours) = match search.run(job) {
         Ok(Some(neighbours)) => (SearchStatus::Done, neighbours),
         Ok(None) => (SearchStatus::Refused, Vec::new()),
@@ -68,6 +70,7 @@ pub fn search(memory: &(impl Memory + ?Sized), base: u32, job: u32) -> SearchRep
 struct Search<'m, M: ?Sized> {
     memory: &'m M,
     base: u32,
+    parameters: &'m SearchParameters,
     counts: SearchCounts,
 }
 
@@ -75,15 +78,19 @@ impl<M: Memory + ?Sized> Search<'_, M> {
     /// The neighbours; none if the job is refused.
     fn run(&mut self, address: u32) -> Result<Option<Vec<Neighbour>>, MemoryError> {
         let words = self.words(address, JOB_BYTES / 4)?;
-        let Some(job) = words.try_into().ok().and_then(|words| SearchJob::from_words(words).ok()) else {
+        let Some(job) = words.try_into().ok().and_then(|words| SearchJob::from_words(words, self.parameters).ok())
+        else {
             return Ok(None);
         };
         let query = self.vector(&job, job.query)?;
         let query_norm = match job.metric {
-            SearchMetric::Cosine => self.sums(&job, &query, &query).norm,
+            SearchMetric::Cosine => {
+                let again = self.vector(&job, job.query)?;
+                self.sums(&job, &query, &again).norm
+            }
             _ => 1.0,
         };
-        let mut seen = Seen { job, query, query_norm, indices: HashSet::new(), list: BestList::new(job.kept()) };
+        let mut seen = Seen { job, query, indices: HashSet::new(), list: BestList::new(job.kept()) };
         match job.place {
             Place::Scan => (0..job.count).try_for_each(|index| self.compare(&mut seen, index))?,
             Place::Gather { list, len } => self.compare_list(&mut seen, list, len)?,
@@ -98,7 +105,11 @@ impl<M: Memory + ?Sized> Search<'_, M> {
                 }
             }
         }
-        let of = |Candidate { index, distance, .. }| Neighbour { index, distance };
+        let scale = job.elements.scale();
+        let of = |Candidate { rank, index, .. }| Neighbour {
+            index,
+            distance: distance_of(job.metric, rank, query_norm, scale),
+        };
         Ok(Some(seen.list.into_best(job.k).map(of).collect()))
     }
 
@@ -116,9 +127,9 @@ impl<M: Memory + ?Sized> Search<'_, M> {
         let job = seen.job;
         let vector = self.vector(&job, job.vectors.wrapping_add(index.wrapping_mul(job.stride)))?;
         let sums = self.sums(&job, &seen.query, &vector);
-        let (rank, distance) = ranked(job.metric, sums, seen.query_norm);
+        let rank = rank_of(job.metric, sums);
         if rank <= job.bound {
-            seen.list.offer(Candidate { rank, index, distance, is_expanded: false });
+            seen.list.offer(Candidate { rank, index, is_expanded: false });
         }
         Ok(())
     }
@@ -161,19 +172,7 @@ impl<M: Memory + ?Sized> Search<'_, M> {
 struct Seen {
     job: SearchJob,
     query: Vec<f32>,
-    query_norm: f32,
     /// The indices of lists that were compared. A candidate that is offered again changes nothing, so hardware may forget some.
     indices: HashSet<u32>,
     list: BestList,
-}
-
-/// The rank of a vector, the lower the better, and its distance. For the cosine, the rank is the squared cosine times
-/// the query's squared norm, with the cosine's sign, in two roundings: vectors whose cosines differ by less than a few
-/// units in the last place may be in either order.
-fn ranked(metric: SearchMetric, Sums { sum, norm }: Sums, query_norm: f32) -> (f32, f32) {
-    match metric {
-        SearchMetric::Euclidean => (sum, sum.sqrt()),
-        SearchMetric::Dot => (-sum, sum),
-        SearchMetric::Cosine => (-(sum / norm * sum.abs()), sum / (query_norm.sqrt() * norm.sqrt())),
-    }
 }

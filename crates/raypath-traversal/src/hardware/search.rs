@@ -1,0 +1,19 @@
+//! Searches as hardware.
+//!
+//! Everything follows the order of one queue: a turn of a search ([`turns`]) asks for blocks, which wait in the queue of
+//! [`fetch`] until they have arrived. [`beats`] takes them: jobs, queries and lists are stored, and vectors become beats of
+//! the datapath. [`ranks`] has a rank for each vector, [`list`] keeps the best, and [`results`] computes their distances.
+//! What follows the last vector of a list or of a search is a marker in the same queue. So the neighbours of a search
+//! depend on neither the memory nor other searches.
+
+mod beats;
+mod engine;
+mod fetch;
+mod list;
+mod ranks;
+mod results;
+mod turns;
+mod widen;
+mod wiring;
+
+pub use engine::{SearchPorts, search_engine};

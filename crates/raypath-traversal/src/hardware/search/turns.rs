@@ -1,0 +1,379 @@
+//! What each search fetches next.
+
+use super::super::connect::{Access, Named, hold, keep, named, select};
+use super::super::scheduler::{after_last, lowest};
+use super::fetch::COUNT_BITS;
+use super::list::place_bits;
+use super::wiring::{BLOCK_SHIFT, Burst, WORDS, bit_of, context_bits, key_of, number_of, one_hot, when};
+use crate::search::SearchParameters;
+use raypath_hdl::{Builder, Error, Module, Wire};
+use std::sync::Arc;
+
+/// Bits of the number of a block in the 4 GiB that a job reaches.
+const BLOCK_BITS: u32 = 32 - BLOCK_SHIFT;
+
+/// Vectors or indices of a turn.
+const PER_TURN: u64 = WORDS as u64;
+
+/// Indices in a word of the memory of those that were compared.
+const WAYS: u32 = 8;
+
+/// The phases of a search. What comes in its next turn:
+#[derive(Clone, Copy)]
+enum Phase {
+    /// The job is asked for.
+    Enter,
+    /// The query.
+    Begin,
+    /// Vectors of a scan.
+    Scan,
+    /// The indices of a block of the list, which has arrived.
+    List,
+    /// As `List`, in the neighbours of a candidate.
+    Neighbours,
+    /// The neighbours of the candidate that the list has named.
+    Expand,
+}
+
+const PHASE_BITS: u32 = 3;
+
+impl Phase {
+    fn is(self, phase: Wire<'_>) -> Wire<'_> {
+        phase.is(self as u64)
+    }
+
+    fn wire(self, m: &Builder) -> Wire<'_> {
+        m.constant(PHASE_BITS, self as u64)
+    }
+}
+
+/// The module `raypath_search_turns`.
+///
+/// A search enters where `enter_valid_i` and `enter_ready_o` are 1, with the block of its job; `enter_context_o` is its
+/// number, and it is over where `release_i` is 1. Searches that can go on take turns: in each, one asks for what comes
+/// next in it, at most 16 vectors, as bursts (`burst_…_o`) that leave where `burst_ready_i` is 1. It can go on when its
+/// job was loaded (`load_i`, with its words), when a block of its list has arrived (`list_valid_i`), when the list of
+/// candidates has named one to expand (`expands_i`), and after a turn of a scan that is not at its end.
+///
+/// The job's settings for the list of candidates and for results are outputs, valid with the words of the job.
+pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Module>, Error> {
+    let builder = Builder::new("raypath_search_turns");
+    let m = &builder;
+    m.doc("What each search fetches next.");
+    let (width, contexts, base_bits) = (context_bits(parameters), parameters.contexts, address_width - 32);
+    let enter_valid = m.input("enter_valid_i", 1);
+    let enter_block = m.input("enter_block_i", BLOCK_BITS);
+    let enter_base = (base_bits > 0).then(|| m.input("enter_base_i", base_bits));
+    let event = |name: &str, context: &str| (m.input(&format!("{name}_i"), 1), m.input(&format!("{context}_i"), width));
+    let (release, load) = (event("release", "release_context"), event("load", "block_context"));
+    let (list, expands) = ((m.input("list_valid_i", 1), load.1), event("expands", "expands_context"));
+    let list_half = m.input("list_half_i", 1);
+    let words: Vec<Wire<'_>> = (0..WORDS).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
+    let expanded = m.input("expands_index_i", 32);
+    let failed = m.input("failed_i", contexts);
+    let burst_ready = m.input("burst_ready_i", 1);
+
+    m.section("Searches that enter, each with a memory of compared indices that is empty");
+    let in_use = m.register("in_use_q", contexts).reset_to(0);
+    let sweeps = m.register("sweeps_q", 1).reset_to(0);
+    let can_enter = (!in_use.wire().all() & !sweeps.wire()).named("can_enter");
+    let enters = (enter_valid & can_enter).named("enters");
+    let free = lowest(!in_use.wire()).named("free");
+    let entered = number_of(free).named("entered");
+    let at = |(enable, context)| when(enable, one_hot(context, contexts));
+    in_use.next((in_use.wire() | when(enters, free)) & !at(release));
+    let swept = hold("swept_q", enters, entered);
+    let mut of_enter = vec![named("block", enter_block)];
+    of_enter.extend(enter_base.map(|base| named("base", base)));
+
+    m.section("Whose turn is next");
+    let [again, ends] = ["again", "ends"].map(|name| m.forward(name, 1));
+    let runs = m.register("runs_q", 1).reset_to(0);
+    let context = m.register("context_q", width);
+    let [waits, is_new] = ["waits_q", "is_new_q"].map(|name| m.register(name, contexts).reset_to(0));
+    let own = one_hot(context.wire(), contexts);
+    // A search that is swept has its first turn only, in which it compares nothing.
+    let is_swept = when(sweeps.wire(), one_hot(swept, contexts)) & !is_new.wire();
+    let can = (waits.wire() & !when(runs.wire(), own) & !is_swept).named("can");
+    let picks = (can.any() & (!runs.wire() | ends.wire())).named("picks");
+    let picked = when(picks, after_last(can, picks)).named("picked");
+    let next_context = number_of(picked).named("next_context");
+    runs.next(picks | (runs.wire() & !ends.wire()));
+    context.next_when(picks, next_context);
+    let comes = when(enters, free) | at(load) | at(list) | at(expands) | when(again.wire(), own);
+    waits.next((waits.wire() | comes) & !picked);
+    is_new.next((is_new.wire() | when(enters, free)) & !picked);
+    let is_first = m.register("is_first_q", 1);
+    let moves = m.forward("moves", 1);
+    is_first.next(picks | (is_first.wire() & !moves.wire()));
+
+    m.section("What is known of it");
+    let read: Access<'_> = (picks, next_context);
+    let job = Settings::of(m, parameters, &words);
+    let of_enter = keep("u_entered", contexts, (enters, entered), of_enter, read);
+    let kept = keep("u_jobs", contexts, load, job.kept(), read);
+    let of_job = |name: &str| kept.iter().find(|(known, _)| known == name).map_or(kept[0].1, |(_, wire)| *wire);
+    let candidate = keep("u_expanded", contexts, expands, vec![named("index", expanded)], read)[0].1;
+    let half = m.register("half_q", contexts);
+    let here = at(list);
+    half.next((half.wire() & !here) | (here & list_half.replicate(contexts)));
+    let list_words = words.iter().enumerate().map(|(k, word)| (format!("index_{k}"), *word)).collect();
+    let write = (list.0, m.concat(&[list.1, list_half]));
+    let read_list = (picks, m.concat(&[next_context, bit_of(half.wire(), next_context)]));
+    let depth = contexts.next_power_of_two() * 2;
+    let list_words: Vec<Wire<'_>> =
+        keep("u_lists", depth, write, list_words, read_list).into_iter().map(|(_, wire)| wire).collect();
+    let names = [("phase", PHASE_BITS), ("number", 32), ("left", 32), ("spent", 32)];
+    let next: Vec<_> = names.iter().map(|(name, width)| m.forward(&format!("next_{name}"), *width)).collect();
+    let state = names.iter().zip(&next).map(|((name, _), forward)| named(name, forward.wire())).collect();
+    let state = keep("u_turns", contexts, (ends.wire(), context.wire()), state, read);
+    let was_new = hold("was_new_q", picks, (picked & is_new.wire()).any());
+    let phase = was_new.mux(Phase::Enter.wire(m), state[0].1).named("phase");
+    let has_failed = (of_job("refused") | bit_of(failed, context.wire())).named("has_failed");
+
+    m.section("The turn");
+    let step_q = m.register("step_q", STEP_BITS);
+    let step = is_first.wire().mux(m.constant(STEP_BITS, 0), step_q.wire()).named("step");
+    step_q.next_when(moves.wire(), step + m.constant(STEP_BITS, 1));
+    let [number_q, left_q] = ["number_q", "left_q"].map(|name| m.register(name, 32));
+    let number = is_first.wire().mux(state[1].1, number_q.wire()).named("number");
+    let left = is_first.wire().mux(state[2].1, left_q.wire()).named("left");
+    let is = |phase_: Phase, name: &str| (runs.wire() & phase_.is(phase)).named(name);
+    let [is_enter, begins, scans, expands_one] = [
+        is(Phase::Enter, "is_enter"),
+        is(Phase::Begin, "begins"),
+        is(Phase::Scan, "scans"),
+        is(Phase::Expand, "expands_one"),
+    ];
+    let in_neighbours = is(Phase::Neighbours, "in_neighbours");
+    let in_list = (is(Phase::List, "in_first_list") | in_neighbours).named("in_list");
+    let one = m.constant(32, 1);
+    let zero = m.constant(32, 0);
+    let [is_step_0, is_step_1, is_last_step] = [0, 1, PER_TURN - 1].map(|k| step.is(k));
+    let [is_scan, is_graph] = [("is_scan", 0), ("is_graph", 2)].map(|(name, k)| of_job("place").is(k).named(name));
+
+    m.section("The end of a list, and of a search");
+    let spent = when(!begins, state[3].1).named("spent");
+    let expands_next = (is_graph & spent.less(of_job("expansions"))).named("expands_next");
+    let first_len = is_graph.mux(of_job("entry_count"), of_job("len")).named("first_len");
+    let first_list = is_graph.mux(of_job("entries"), of_job("list"));
+    let is_decided = (begins & !is_step_0 & !is_step_1).named("is_decided");
+    let is_empty = is_scan.mux(of_job("count"), first_len).is(0).named("is_empty");
+    let is_through =
+        (in_list & !is_step_0 & left.lower(5).equals(step - m.constant(STEP_BITS, 1)) & !left.upper(27).any())
+            .named("is_through");
+    let stops = (has_failed & is_step_0 & (begins | in_list)).named("stops");
+    let ends_list =
+        (is_through | (expands_one & of_job("len").is(0)) | (is_decided & is_empty & !is_scan)).named("ends_list");
+    let ends_scan = ((scans & (left.is(0) | has_failed)) | (is_decided & is_empty & is_scan)).named("ends_scan");
+    let expand = (ends_list & expands_next).named("expand");
+    let drain = (stops | ends_scan | (ends_list & !expands_next)).named("drain");
+    let marks = (expand | drain).named("marks");
+
+    m.section("What is asked for");
+    let asks_list =
+        ((in_list & is_step_0 & m.constant(32, PER_TURN).less(left)) | (is_decided & !is_scan) | expands_one) & !marks;
+    let asks_list = asks_list.named("asks_list");
+    let compares = (in_list & !is_step_0 & !is_through).named("compares");
+    let asks_vector = (scans & !ends_scan).named("asks_vector");
+    let is_norm = (begins & is_step_1).named("is_norm");
+    let asks_query = (begins & ((is_step_0 & !stops) | (is_step_1 & of_job("cosine")))).named("asks_query");
+    let asks = (is_enter | asks_query | asks_list | compares | asks_vector | marks).named("asks");
+    let list_number = in_list.mux(number + one, zero).named("list_number");
+    let place = step.lower(4) - m.constant(4, 1);
+    let compared = select(place, &list_words).named("compared");
+    let kind = [
+        (expand, Burst::Expand),
+        (drain, Burst::Drain),
+        (asks_list, Burst::List),
+        (is_enter, Burst::Job),
+        (asks_query & !is_norm, Burst::Query),
+        (asks_query, Burst::Norm),
+    ];
+    let kind = kind
+        .into_iter()
+        .rev()
+        .fold(Burst::Vector.wire(m), |rest, (is, burst)| is.mux(burst.wire(m), rest))
+        .named("kind");
+    let index = compares.mux(compared, asks_list.mux(list_number, number)).named("index");
+    let is_neighbours = (expands_one | in_neighbours).named("is_neighbours");
+    let base = [
+        (is_enter, of_enter[0].1),
+        (asks_query, of_job("query")),
+        (asks_list, is_neighbours.mux(of_job("list"), first_list)),
+    ];
+    let base = base.into_iter().fold(of_job("vectors"), |rest, (is, base)| is.mux(base, rest)).named("base");
+    let of_vector = when(compares | asks_vector, index);
+    let factor = asks_list.mux(when(is_neighbours, candidate), of_vector).lower(BLOCK_BITS).named("factor");
+    let len = of_job("len");
+    let list_stride = (len.bits(16, 4) + len.lower(4).any().extend(13)).extend(BLOCK_BITS);
+    let stride = asks_list.mux(list_stride, of_job("stride")).named("stride");
+    let offset = when(asks_list, list_number.lower(BLOCK_BITS));
+    let is_one = is_enter | asks_list;
+    let blocks = is_one.mux(m.constant(COUNT_BITS, 1), of_job("blocks"));
+
+    m.section("The end of the turn");
+    let is_last_in_list = (compares & step.is(PER_TURN) & m.constant(32, PER_TURN).less(left)).named("is_last_in_list");
+    let ends_turn =
+        [marks, is_enter, asks_list & !in_list, is_decided & is_scan, asks_vector & is_last_step, is_last_in_list];
+    let ends_turn = m.concat(&ends_turn).any().named("ends_turn");
+    ends.drive(runs.wire() & moves.wire() & ends_turn);
+    again.drive(ends.wire() & !marks & (asks_vector | (is_decided & is_scan)));
+    let phases = [
+        (is_enter, Phase::Begin),
+        (is_decided, Phase::List),
+        (is_decided & is_scan, Phase::Scan),
+        (expands_one, Phase::Neighbours),
+        (expand, Phase::Expand),
+    ];
+    let next_phase = phases.into_iter().fold(phase, |rest, (is, phase)| is.mux(phase.wire(m), rest));
+    let next_number = asks_vector.mux(number + one, list_number);
+    let lefts = [
+        (asks_vector, left - one),
+        (in_list, left - m.constant(32, PER_TURN)),
+        (expands_one, len),
+        (is_decided, is_scan.mux(of_job("count"), first_len)),
+    ];
+    let next_left = lefts.into_iter().fold(left, |rest, (is, left)| is.mux(left, rest));
+    let next_spent = spent + expand.extend(32);
+    next.iter().zip([next_phase, next_number, next_left, next_spent]).for_each(|(forward, wire)| forward.drive(wire));
+    number_q.next_when(moves.wire(), scans.mux(next_number, number));
+    left_q.next_when(moves.wire(), scans.mux(next_left, left));
+
+    m.section("The address, and whether the vector was compared before");
+    let has_burst = m.register("has_burst_q", 1).reset_to(0);
+    let leaves = m.forward("leaves", 1);
+    moves.drive(!has_burst.wire() | leaves.wire());
+    let loads = (asks & moves.wire()).named("loads");
+    has_burst.next(loads | (has_burst.wire() & !leaves.wire()));
+    let held = |name: &str, wire| hold(&format!("burst_{name}_q"), loads, wire);
+    let (kind, burst_context, index) = (held("kind", kind), held("context", context.wire()), held("index", index));
+    let (base, factor, stride, offset) =
+        (held("base", base), held("factor", factor), held("stride", stride), held("offset", offset));
+    let (count, is_compared) = (held("count", blocks), held("is_compared", compares));
+    let is_outside = held("is_outside", !compared.less(of_job("count")));
+    let sets = parameters.remembered / WAYS;
+    let set_bits = sets.ilog2();
+    let set = (compared.lower(set_bits) ^ compared.bits(2 * set_bits - 1, set_bits)).named("compared_set");
+    let set_q = held("set", set);
+    let (writes, ways) =
+        (m.forward("remembers", 1), (0..WAYS).map(|k| m.forward(&format!("new_way_{k}"), 32)).collect::<Vec<_>>());
+    let sweep_set = m.register("sweep_set_q", set_bits);
+    let sweep = (sweeps.wire() & !writes.wire()).named("sweep");
+    sweep_set.next_when(sweep, sweep_set.wire() + m.constant(set_bits, 1));
+    sweeps.next(enters | (sweeps.wire() & !(sweep & sweep_set.wire().all())));
+    let write = m.concat(&[sweep.mux(swept, burst_context), sweep.mux(sweep_set.wire(), set_q)]);
+    let stored = ways.iter().enumerate().map(|(k, way)| named(&format!("way_{k}"), way.wire())).collect();
+    let depth = contexts.next_power_of_two() * sets;
+    let read = (loads & compares, m.concat(&[context.wire(), set]));
+    let known = keep("u_compared", depth, (writes.wire() | sweep, write), stored, read);
+    let is_known =
+        m.concat(&known.iter().map(|(_, way)| way.equals(index)).collect::<Vec<_>>()).any().named("is_known");
+    let skips = (is_compared & (is_outside | is_known)).named("skips");
+    let offers = (has_burst.wire() & !skips).named("offers");
+    leaves.drive(has_burst.wire() & (skips | burst_ready));
+    writes.drive(offers & is_compared & burst_ready);
+    let new = [index].into_iter().chain(known.iter().map(|(_, way)| *way));
+    ways.iter().zip(new).for_each(|(forward, way)| forward.drive(way | sweep.replicate(32)));
+    let block = base + (factor * stride).lower(BLOCK_BITS) + offset;
+    let block = of_enter.get(1).map_or(block, |(_, base)| m.concat(&[held("upper", *base), block]));
+
+    m.output("enter_ready_o", can_enter);
+    m.output("entered_o", enters);
+    m.output("entered_context_o", entered);
+    m.output("is_idle_o", !in_use.wire().any());
+    m.output("burst_valid_o", offers);
+    m.output("burst_kind_o", kind);
+    m.output("burst_context_o", burst_context);
+    m.output("burst_index_o", index);
+    m.output("burst_block_o", block);
+    m.output("burst_count_o", count);
+    job.outputs(m);
+    builder.finish()
+}
+
+/// Bits of the number of a turn's step: the list or the query, indices or vectors, and a marker.
+const STEP_BITS: u32 = 5;
+
+/// What follows from the words of a job.
+struct Settings<'m> {
+    words: &'m [Wire<'m>],
+    parameters: SearchParameters,
+    refused: Wire<'m>,
+    /// Blocks of a vector.
+    blocks: Wire<'m>,
+}
+
+impl<'m> Settings<'m> {
+    fn of(m: &'m Builder, parameters: SearchParameters, words: &'m [Wire<'m>]) -> Self {
+        m.section("The job that was loaded: whether a word is outside its range");
+        let (low, high) = (|k: usize| words[k].lower(16), |k: usize| words[k].upper(16));
+        let most = |wire: Wire<'m>, most: u32| !m.constant(wire.width(), most.into()).less(wire);
+        let place = words[0].lower(4);
+        let [is_list, is_graph] = [place.any(), place.is(2)];
+        let elements = words[0].bits(9, 8);
+        let dimensions = low(1).lower(13);
+        // Elements of a block, less one, are added so that a vector's last block counts.
+        let wide = |added: u64, shift: u32| (dimensions + m.constant(13, added)).upper(13 - shift).extend(COUNT_BITS);
+        let blocks =
+            elements.bit(1).mux(wide(63, 6), elements.bit(0).mux(wide(31, 5), wide(15, 4))).named("job_blocks");
+        let is_aligned = |k: usize| !words[k].lower(BLOCK_SHIFT).any();
+        let (k, candidates) = (high(0), high(1));
+        let scale = words[12];
+        let of_graph = is_aligned(8) & !high(7).any() & !candidates.less(k) & most(candidates, parameters.candidates);
+        let holds = [
+            most(place, 2),
+            most(words[0].bits(7, 4), 2),
+            most(words[0].bits(11, 8), 2),
+            !words[0].bits(15, 12).any(),
+            k.any() & most(k, parameters.neighbours),
+            low(1).any() & most(low(1), parameters.dimensions),
+            is_aligned(2) & is_aligned(3) & is_aligned(4),
+            !words[4].upper(BLOCK_BITS).less(blocks.extend(BLOCK_BITS)),
+            !is_list | is_aligned(6),
+            !is_graph | of_graph,
+            !m.constant(31, 0x7f80_0000).less(words[11].lower(31)),
+            !scale.top() & scale.any() & !scale.bits(30, 23).all(),
+            !m.concat(&[words[13].any(), words[14].any(), words[15].any()]).any(),
+        ];
+        Self { words, parameters, refused: (!m.concat(&holds).all()).named("is_refused"), blocks }
+    }
+
+    /// What turns need of it.
+    fn kept(&self) -> Named<'m> {
+        let Self { words, refused, blocks, .. } = self;
+        let block = |k: usize| words[k].upper(BLOCK_BITS);
+        let named_words = [
+            ("place", words[0].lower(2)),
+            ("cosine", words[0].bit(5)),
+            ("refused", *refused),
+            ("blocks", *blocks),
+            ("query", block(2)),
+            ("vectors", block(3)),
+            ("stride", block(4)),
+            ("count", words[5]),
+            ("list", block(6)),
+            ("len", words[7]),
+            ("entries", block(8)),
+            ("entry_count", words[9]),
+            ("expansions", words[10]),
+        ];
+        named_words.map(|(name, wire)| named(name, wire)).to_vec()
+    }
+
+    /// What the list of candidates and results need of it.
+    fn outputs(&self, m: &'m Builder) {
+        let Self { words, parameters, refused, .. } = self;
+        let width = place_bits(*parameters);
+        let last = |count: Wire<'m>| count.lower(width) - m.constant(width, 1);
+        let neighbour = last(words[0].upper(16));
+        let rest = words[11].lower(31);
+        let bound = key_of(m.concat(&[words[11].top() & rest.any(), rest]));
+        m.output("bound_o", bound);
+        m.output("neighbour_o", neighbour);
+        m.output("candidate_o", words[0].bit(1).mux(last(words[1].upper(16)), neighbour));
+        m.output("refused_o", *refused);
+        m.output("metric_o", words[0].bits(5, 4));
+        m.output("scale_o", words[12]);
+    }
+}

@@ -1,0 +1,30 @@
+//! The rank of a vector, and the distance that is returned for it.
+
+use super::distance::Sums;
+use super::job::SearchMetric;
+
+/// The rank of a vector, the lower the better; NaN for none. For the cosine, it is minus the squared cosine times the
+/// query's squared norm, with the cosine's sign, in two roundings: vectors whose cosines differ by less than a few units
+/// in the last place may be in either order.
+pub fn rank_of(metric: SearchMetric, Sums { sum, norm }: Sums) -> f32 {
+    let rank = match metric {
+        SearchMetric::Euclidean => sum,
+        SearchMetric::Dot => -sum,
+        SearchMetric::Cosine => -(sum / norm * sum.abs()),
+    };
+    // Of both zeros, this is the positive one.
+    rank + 0.0
+}
+
+/// The distance of a vector with this rank: the Euclidean distance, the dot product, or the cosine of the angle. Each
+/// operation rounds. The cosine is within 3 units in the last place of that of the exact angle between the sums.
+pub fn distance_of(metric: SearchMetric, rank: f32, query_norm: f32, scale: f32) -> f32 {
+    match metric {
+        SearchMetric::Euclidean => rank.sqrt() * scale,
+        SearchMetric::Dot => (0.0 - rank) * scale * scale,
+        SearchMetric::Cosine => {
+            let cosine = (rank.abs() / query_norm).sqrt();
+            if rank > 0.0 { -cosine } else { cosine }
+        }
+    }
+}
