@@ -10,8 +10,7 @@ module raypath_mul_18x18 (
     .REG_INPUTA_CLK ("CLK0"),
     .REG_INPUTB_CLK ("CLK0"),
     .REG_OUTPUT_CLK ("CLK0"),
-    .GSR ("DISABLED"),
-    .SOURCEB_MODE ("B_INPUT")
+    .GSR ("DISABLED")
   ) u_multiplier (
     .A0 (a_i[0]), .A1 (a_i[1]), .A2 (a_i[2]), .A3 (a_i[3]), .A4 (a_i[4]),
     .A5 (a_i[5]), .A6 (a_i[6]), .A7 (a_i[7]), .A8 (a_i[8]), .A9 (a_i[9]),

@@ -1,9 +1,10 @@
 //! The shell: a datapath behind two narrow streams.
 //!
-//! Hardware: a shift register that collects the words of a job, and one that sends the words of an outcome, each with a
-//! counter. A job is offered to the datapath when its last word has arrived, and the next one is collected when the
-//! datapath has taken it. An outcome is loaded when the previous one has left. So the datapath can be as full as it
-//! gets, but takes a job only in as many cycles as a frame has words.
+//! Hardware: registers that collect the words of a job, each with an enable of its own, and a multiplexer that selects the
+//! words of an outcome, which stays at the datapath's output until its last word was sent. A job is offered to the
+//! datapath when its last word has arrived, and the next one is collected when the datapath has taken it. So the datapath
+//! can be as full as it gets, but takes a job only in as many cycles as a frame has words. Wires to many registers come
+//! from registers, because they limit the clock of a large FPGA.
 //!
 //! Tests: `tests/loopback.rs` (our simulator and Verilator, jobs against the model).
 
@@ -43,57 +44,69 @@ impl Shell {
         let sink_ready = m.input("ready_i", 1);
 
         m.section("Collect the words of a job");
-        let count = counter(&m, "count_q", job.words() - 1);
         let full = m.register("full_q", 1).reset_to(0);
         let takes = (valid & !full.wire()).named("takes");
-        let last = count.wire().is(u64::from(job.words()) - 1).named("last");
-        let one_more = count.wire() + m.constant(count.wire().width(), 1);
-        count.next_when(takes, last.mux(m.constant(one_more.width(), 0), one_more));
-        let words: Vec<_> = (0..job.words()).map(|word| m.register(&format!("job_{word}_q"), width.bits())).collect();
-        for (word, register) in words.iter().enumerate() {
-            register.next_when(takes, words.get(word + 1).map_or(data, |above| above.wire()));
-        }
+        let last = job.words() as usize - 1;
+        let turns: Vec<_> =
+            (0..=last).map(|word| m.register(&format!("turn_{word}_q"), 1).reset_to((word == 0).into())).collect();
+        let enables: Vec<Wire<'_>> = turns
+            .iter()
+            .enumerate()
+            .map(|(word, turn)| {
+                turn.next_when(takes, turns[if word == 0 { last } else { word - 1 }].wire());
+                let enable = m.register(&format!("enable_{word}_q"), 1).reset_to(0);
+                enable.next(takes & turn.wire());
+                enable.wire()
+            })
+            .collect();
+        let arrived = m.register("data_q", width.bits());
+        arrived.next(data);
+        let words: Vec<Wire<'_>> = enables
+            .into_iter()
+            .enumerate()
+            .map(|(word, enable)| {
+                let register = m.register(&format!("job_{word}_q"), width.bits());
+                register.next_when(enable, arrived.wire());
+                register.wire()
+            })
+            .collect();
+        let offers = m.register("offers_q", 1).reset_to(0);
+        offers.wire().comment("a cycle after the last word was taken, because it enters its register then");
         m.output("ready_o", !full.wire());
 
-        m.section("Send the words of an outcome");
-        let left = counter(&m, "left_q", outcome.words());
-        let idle = (!left.wire().any()).named("idle");
-
         m.section("The datapath");
-        let words: Vec<Wire<'_>> = words.iter().map(|register| register.wire()).collect();
-        let mut inputs = vec![("input_valid_i", full.wire()), ("output_ready_i", idle)];
+        let pops = m.register("pops_q", 1).reset_to(0);
+        let mut inputs = vec![("input_valid_i", offers.wire()), ("output_ready_i", pops.wire())];
         inputs.extend(values(&m, &job, &words));
         let outputs = m.instance(INSTANCE, datapath, &inputs);
         let ports = datapath.outputs().iter().zip(outputs);
         let outputs: Vec<(&str, Wire<'_>)> = ports.map(|(port, wire)| (port.name.as_str(), wire)).collect();
         let output = |name: &str| outputs.iter().find(|(port, _)| *port == name).map(|(_, wire)| *wire);
         let absent = m.constant(1, 0);
-        let input_ready = output("input_ready_o").unwrap_or(absent);
-        full.next((takes & last) | (full.wire() & !input_ready));
+        let is_taken = (offers.wire() & output("input_ready_o").unwrap_or(absent)).named("is_taken");
+        full.next((takes & turns[last].wire()) | (full.wire() & !is_taken));
+        offers.next(full.wire() & !is_taken);
 
-        let loads = (idle & output("output_valid_o").unwrap_or(absent)).named("loads");
-        let sends = (!idle & sink_ready).named("sends");
-        let one_less = left.wire() - m.constant(left.wire().width(), 1);
-        let all = m.constant(one_less.width(), outcome.words().into());
-        left.next_when(loads | sends, loads.mux(all, one_less));
-        let mut loaded = Vec::new();
+        m.section("Send the words of an outcome");
+        let mut words = Vec::new();
         for field in &outcome.fields {
             let width = outcome.words_of(field) * width.bits();
             let value = output(&field.port).unwrap_or(absent).extend(width);
-            loaded.extend((0..outcome.words_of(field)).map(|word| slice(value, word, &outcome)));
+            words.extend((0..outcome.words_of(field)).map(|word| slice(value, word, &outcome)));
         }
-        let mut above: Option<Wire<'_>> = None;
-        let registers: Vec<_> =
-            (0..loaded.len()).map(|word| m.register(&format!("outcome_{word}_q"), width.bits())).collect();
-        for (register, loaded) in registers.iter().zip(loaded).rev() {
-            match above {
-                Some(above) => register.next_when(loads | sends, loads.mux(loaded, above)),
-                None => register.next_when(loads, loaded),
-            }
-            above = Some(register.wire());
-        }
-        m.output("valid_o", !idle);
-        m.output("data_o", above.unwrap_or(data));
+        let number = counter(&m, "number_q", outcome.words() - 1);
+        let sent = m.register("sent_q", 1).reset_to(0);
+        let has_outcome = output("output_valid_o").unwrap_or(absent) & !pops.wire();
+        let sends = (has_outcome & (!sent.wire() | sink_ready)).named("sends");
+        let is_last = number.wire().is(u64::from(outcome.words()) - 1).named("is_last");
+        let one_more = number.wire() + m.constant(number.wire().width(), 1);
+        number.next_when(sends, is_last.mux(m.constant(one_more.width(), 0), one_more));
+        pops.next(sends & is_last);
+        sent.next(sends | (sent.wire() & !sink_ready));
+        let word = m.register("word_q", width.bits());
+        word.next_when(sends, select(number.wire(), &words));
+        m.output("valid_o", sent.wire());
+        m.output("data_o", word.wire());
         Ok(Self { top: m.finish()?, job, outcome })
     }
 }
@@ -134,25 +147,36 @@ fn counter<'m>(m: &'m Builder, name: &str, most: u32) -> raypath_hdl::Register<'
     m.register(name, (u32::BITS - most.leading_zeros()).max(1)).reset_to(0)
 }
 
+/// The word of this number, by a tree of multiplexers.
+fn select<'m>(number: Wire<'m>, words: &[Wire<'m>]) -> Wire<'m> {
+    let mut layer = words.to_vec();
+    for bit in 0..number.width() {
+        let pairs = layer.chunks(2);
+        layer =
+            pairs.map(|pair| if let [low, high] = pair { number.bit(bit).mux(*high, *low) } else { pair[0] }).collect();
+    }
+    layer[0]
+}
+
 /// A word of a value.
 fn slice<'m>(value: Wire<'m>, word: u32, frame: &Frame) -> Wire<'m> {
     let width = frame.width.bits();
     value.bits((word + 1) * width - 1, word * width)
 }
 
-/// The values of the ports in the words of a job. Only the first word has bits without a reader: those of others shift.
+/// The values of the ports in the words of a job.
 fn values<'m, 'f>(m: &'m Builder, frame: &'f Frame, words: &[Wire<'m>]) -> Vec<(&'f str, Wire<'m>)> {
     let mut rest = words;
     let value = |field: &'f Field| {
         let (own, after) = rest.split_at(frame.words_of(field) as usize);
         rest = after;
         let parts: Vec<Wire<'m>> = own.iter().rev().copied().collect();
-        (field.port.as_str(), m.concat(&parts).lower(field.bits))
+        let whole = m.concat(&parts);
+        if field.bits < whole.width() {
+            m.unused(&format!("unused_{}", field.port), &[whole.upper(whole.width() - field.bits)]);
+        }
+        (field.port.as_str(), whole.lower(field.bits))
     };
     let values: Vec<(&'f str, Wire<'m>)> = frame.fields.iter().map(value).collect();
-    let width = frame.width.bits();
-    if let (Some(first), Some(field)) = (words.first(), frame.fields.first().filter(|field| field.bits < width)) {
-        m.unused("unused_job", &[first.bits(width - 1, field.bits)]);
-    }
     values
 }
