@@ -128,8 +128,8 @@ pub struct TextPort {
 pub struct Text {
     /// The declarations that it refers to.
     pub package: Option<Arc<Package>>,
-    /// Input ports in a structure.
-    pub input: Option<PortGroup>,
+    /// Input ports in structures.
+    pub inputs: Vec<PortGroup>,
     /// An input port as an enumeration.
     pub enumerated: Option<EnumeratedInput>,
     /// Registers that are printed in another module, and output ports in a structure.
@@ -221,7 +221,7 @@ impl PortGroup {
     }
 
     /// Whether this port is a member.
-    pub(crate) fn contains(&self, port: &str) -> bool {
+    pub fn contains(&self, port: &str) -> bool {
         self.select(port).is_some()
     }
 
@@ -231,7 +231,7 @@ impl PortGroup {
     }
 
     /// What selects a port in the structure.
-    pub(crate) fn select(&self, port: &str) -> Option<&str> {
+    pub fn select(&self, port: &str) -> Option<&str> {
         self.members.iter().find(|(name, _)| name == port).map(|(_, select)| select.as_str())
     }
 }
@@ -260,7 +260,7 @@ impl Module {
 
     /// How its text refers to one of its ports: `data_i.num[3]` for a port in a structure, otherwise its name.
     pub fn port_text(&self, port: &str) -> String {
-        let groups = self.text.input.iter().chain(self.text.output());
+        let groups = self.text.inputs.iter().chain(self.text.output());
         let mut found = groups.filter_map(|group| group.select(port).map(|select| format!("{}{select}", group.name)));
         found.next().unwrap_or_else(|| port.to_string())
     }

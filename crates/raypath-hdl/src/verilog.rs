@@ -85,10 +85,11 @@ fn ports(module: &Module) -> Vec<String> {
         }
     }
     let text = module.text();
-    let groups = [("input ", text.input.as_ref()), ("output", text.output())];
-    for ((direction, group), ports) in groups.into_iter().zip([module.inputs(), module.outputs()]) {
+    let outputs: Vec<&crate::text::PortGroup> = text.output().into_iter().collect();
+    let groups = [("input ", text.inputs.iter().collect()), ("output", outputs)];
+    for ((direction, groups), ports) in groups.into_iter().zip([module.inputs(), module.outputs()]) {
         for port in ports {
-            match group.filter(|group| group.contains(&port.name)) {
+            match groups.iter().find(|group| group.contains(&port.name)) {
                 None => {
                     let signal = module.signal(port.signal);
                     // A named signal at an output port has its remark beside its own declaration.

@@ -92,8 +92,8 @@ int main(int argc, char** argv) {{
 
 /// The vector that the text has in the place of an input port, and the port's lowest bit in it.
 fn part_of_vector<'t>(top: &'t Module, port: &str) -> Option<(&'t str, u32)> {
-    let group = top.text().input.as_ref()?;
-    let (_, select) = group.members.iter().find(|(member, _)| member == port)?;
+    let group = top.text().inputs.iter().find(|group| group.contains(port))?;
+    let select = group.select(port)?;
     let (_, low) = select.strip_prefix('[')?.strip_suffix(']')?.split_once(':')?;
     Some((&group.name, low.parse().ok()?))
 }

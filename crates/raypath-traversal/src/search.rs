@@ -15,7 +15,7 @@ pub use distance::{Elements, VectorLayout};
 pub use image::{ImageError, SearchImage};
 pub use job::{JOB_BYTES, JobError, Place, SearchJob, SearchMetric};
 pub use model::{Neighbour, SearchCounts, SearchReply, SearchStatus, search};
-pub use parameters::SearchParameters;
+pub use parameters::{ParseSearchesError, SearchParameters, Searches};
 
 /// Bytes of a block, which the unit reads at once.
 pub const SEARCH_BLOCK: u32 = 64;

@@ -4,10 +4,12 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_hdl::Simulator;
 use raypath_ops::{Angular, AngularState, Binary32, Euclidean, EuclideanState, Operation, Rounding, from_words};
+use raypath_rtl::Config;
+use raypath_tools::Sources;
 use raypath_traversal::search::{
     Elements, Place, SearchImage, SearchJob, SearchMetric, SearchParameters, SearchStatus, VectorLayout, search,
 };
-use raypath_traversal::{Memory, SearchPorts, search_engine};
+use raypath_traversal::{Memory, SearchPorts, UnitNetlist, UnitParameters, search_engine};
 use std::collections::{HashMap, VecDeque};
 
 const LANES: usize = 16;
@@ -41,7 +43,7 @@ fn run(
     let mut results: HashMap<u64, Vec<Found>> = HashMap::new();
     let (mut next_job, mut done, mut cycles) = (0, 0, 0_u64);
     let mut responses: Vec<(u64, u32, u64, u32)> = Vec::new();
-    let mut outcomes: VecDeque<(u64, u64, [u32; 3])> = VecDeque::new();
+    let mut outcomes: VecDeque<(u64, [u32; 3])> = VecDeque::new();
     let mut euclidean = EuclideanState::zero(Binary32);
     let mut angular = AngularState::zero(Binary32);
     let beats = 512 / memory_width;
@@ -49,7 +51,7 @@ fn run(
         cycles += 1;
         assert!(cycles < 2_000_000, "the engine does not end: {done} of {} jobs", jobs.len());
         let mut ready = || u64::from(stalls == 0 || !random.random_range(0..stalls.max(1)).eq(&0));
-        let channels = ["search_valid_i", "result_ready_i", "fetch_req_ready_i", "beat_ready_i"].map(|name| {
+        let channels = ["search_valid_i", "result_ready_i", "vec_req_ready_i", "beat_ready_i"].map(|name| {
             let value = ready();
             let port = input(&simulator, name);
             simulator.set(port, value);
@@ -68,7 +70,7 @@ fn run(
         // A beat of any block that is due.
         let due: Vec<usize> = (0..responses.len()).filter(|k| responses[*k].0 <= cycles).collect();
         let chosen = due.first().map(|first| if stalls == 0 { *first } else { due[random.random_range(0..due.len())] });
-        let port = input(&simulator, "fetch_rsp_valid_i");
+        let port = input(&simulator, "vec_rsp_valid_i");
         simulator.set(port, u64::from(chosen.is_some()));
         if let Some(chosen) = chosen {
             let (_, tag, address, beat) = responses[chosen];
@@ -76,11 +78,11 @@ fn run(
             let bytes = block.unwrap_or(&[0; 64]);
             let part = &bytes[(beat * memory_width / 8) as usize..][..memory_width as usize / 8];
             for (k, word) in part.as_chunks::<4>().0.iter().enumerate() {
-                let port = input(&simulator, &format!("fetch_rsp_data_{k}_i"));
+                let port = input(&simulator, &format!("vec_rsp_data_{k}_i"));
                 simulator.set(port, u32::from_le_bytes(*word).into());
             }
             for (name, value) in [("tag", u64::from(tag)), ("error", u64::from(block.is_err() && beat == 0))] {
-                let port = input(&simulator, &format!("fetch_rsp_{name}_i"));
+                let port = input(&simulator, &format!("vec_rsp_{name}_i"));
                 simulator.set(port, value);
             }
             if beat + 1 == beats { _ = responses.remove(chosen) } else { responses[chosen].3 += 1 }
@@ -88,14 +90,9 @@ fn run(
         let outcome = outcomes.front().filter(|outcome| outcome.0 <= cycles).copied();
         let port = input(&simulator, "outcome_valid_i");
         simulator.set(port, outcome.is_some().into());
-        if let Some((_, code, sums)) = outcome {
+        if let Some((_, sums)) = outcome {
             outcomes.pop_front();
-            for (name, value) in ["code", "squares", "dot", "norm"].into_iter().zip([
-                code,
-                sums[0].into(),
-                sums[1].into(),
-                sums[2].into(),
-            ]) {
+            for (name, value) in ["squares", "dot", "norm"].into_iter().zip(sums.map(u64::from)) {
                 let port = input(&simulator, &format!("outcome_{name}_i"));
                 simulator.set(port, value);
             }
@@ -115,12 +112,12 @@ fn run(
             rows.push((status, get("result_found_o"), get("result_index_o"), get("result_distance_o") as u32));
             done += usize::from(is_last);
         }
-        if get("fetch_req_valid_o") == 1 && channels[2] == 1 {
+        if get("vec_req_valid_o") == 1 && channels[2] == 1 {
             let wait = if stalls == 0 { latency } else { random.random_range(1..=latency) };
-            responses.push((cycles + wait, get("fetch_req_tag_o") as u32, get("fetch_req_addr_o"), 0));
+            responses.push((cycles + wait, get("vec_req_tag_o") as u32, get("vec_req_addr_o"), 0));
         }
         if get("beat_valid_o") == 1 && channels[3] == 1 {
-            let (code, is_last) = (get("beat_code_o"), get("beat_is_last_o"));
+            let (code, is_last) = (get("beat_is_angular_o"), get("beat_is_last_o"));
             let beat = |lanes: usize| {
                 let lane = |stem: &'static str| (0..lanes).map(move |k| format!("beat_{stem}_{k}_o"));
                 let mask: u64 = lane("mask").enumerate().map(|(k, name)| get(&name) << k).sum();
@@ -139,7 +136,7 @@ fn run(
                 [random.random(), sums[0], sums[1]]
             };
             if is_last == 1 {
-                outcomes.push_back((cycles + 12, code, sums));
+                outcomes.push_back((cycles + 12, sums));
             }
         }
         simulator.cycle();
@@ -206,8 +203,15 @@ fn jobs_of(seed: u64, image: &mut SearchImage) -> Vec<u32> {
 
 #[test]
 fn the_hardware_returns_what_the_model_returns() {
-    let parameters =
-        SearchParameters { contexts: 4, neighbours: 16, candidates: 64, dimensions: 128, blocks: 32, remembered: 64 };
+    let parameters = SearchParameters {
+        contexts: 4,
+        neighbours: 16,
+        candidates: 64,
+        dimensions: 128,
+        blocks: 32,
+        remembered: 64,
+        turns: 1,
+    };
     for (seed, memory_width, stalls) in [(1, 512, 0), (2, 512, 3), (3, 128, 4), (4, 256, 2)] {
         let mut image = SearchImage::new();
         let jobs = jobs_of(seed, &mut image);
@@ -233,4 +237,16 @@ fn the_hardware_returns_what_the_model_returns() {
 
 fn canonical(x: f32) -> u32 {
     if x.is_nan() { 0x7fc0_0000 } else { x.to_bits() }
+}
+
+#[test]
+fn the_text_of_a_unit_with_searches_has_no_report_of_the_linters() {
+    for text in ["k=32,m=64", "k=1,m=9,contexts=3,dimensions=100,blocks=16,remembered=64,turns=3"] {
+        let search = text.parse().expect("searches");
+        let parameters = UnitParameters { search, contexts: 16, memory_width: 256, ..UnitParameters::default() };
+        let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+        let folder = tempfile::tempdir().expect("a folder");
+        let sources = Sources::write(&unit.emitted().expect("a text"), folder.path()).expect("sources");
+        sources.lint().expect("no report of the linters");
+    }
 }

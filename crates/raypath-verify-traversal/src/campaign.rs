@@ -73,6 +73,7 @@ const fn unit(
             address_width: 32,
             ram_latency,
             parity: false,
+            search: raypath_traversal::search::Searches(None),
         },
     )
 }

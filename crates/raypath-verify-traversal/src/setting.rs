@@ -25,6 +25,7 @@ pub(super) const LEAST: UnitParameters = UnitParameters {
     divider_latency: 2,
     ram_latency: 1,
     parity: false,
+    search: raypath_traversal::search::Searches(None),
 };
 
 /// The optional parts of a unit.

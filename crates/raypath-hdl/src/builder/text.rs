@@ -14,7 +14,7 @@ impl Builder {
     /// Prints input ports as one port of a structure.
     pub fn group_inputs(&self, group: PortGroup) {
         self.expect_members(&group, |module| module.inputs());
-        self.state.borrow_mut().module.text.input = Some(group);
+        self.state.borrow_mut().module.text.inputs.push(group);
     }
 
     /// Prints output ports as one port of a structure.

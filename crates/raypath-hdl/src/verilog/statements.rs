@@ -177,8 +177,9 @@ fn instance(plan: &Plan<'_>, index: usize) -> Vec<String> {
         let values = values.collect::<Vec<_>>().join(", ");
         return connections.print(&format!("{} #({values}) {}", template.module, instance.name));
     }
-    let (input, output) = (inside.text().input.as_ref(), inside.text().output());
-    let inputs = inside.inputs().iter().zip(&instance.inputs).map(|(port, id)| (port, id, input));
+    let (groups, output) = (&inside.text().inputs, inside.text().output());
+    let of_input = |port: &str| groups.iter().find(|group| group.contains(port));
+    let inputs = inside.inputs().iter().zip(&instance.inputs).map(|(port, id)| (port, id, of_input(&port.name)));
     let outputs = inside.outputs().iter().zip(&instance.outputs).map(|(port, id)| (port, id, output));
     for (port, &id, group) in inputs.chain(outputs) {
         match group.filter(|group| group.contains(&port.name)) {

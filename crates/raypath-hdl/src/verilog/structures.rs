@@ -22,7 +22,7 @@ impl Structures {
         let (members, variables, instances) = (HashMap::new(), HashMap::new(), BTreeMap::new());
         let mut found = Self { members, variables, instances, next: String::new() };
         let text = module.text();
-        if let Some(input) = &text.input {
+        for input in &text.inputs {
             found.add(&input.name, input, |port| {
                 let port = module.inputs().iter().find(|input| input.name == port)?;
                 Some(port.signal)

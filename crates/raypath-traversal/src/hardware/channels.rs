@@ -6,21 +6,26 @@ use super::parameters::UnitParameters;
 use super::queue::bits;
 use crate::blocks::NodeKind;
 use crate::netlist::{Netlist, from_wires};
+use crate::search::{SEARCH_BLOCK, SearchParameters};
 use crate::set_up::Entry;
 use crate::step::StepParameters;
 use raypath_hdl::{Builder, Forward, Register, Wire};
 
 /// The ports of the unit that belong together, by the beginning of their names.
-pub const CHANNELS: [(&str, &str); 4] = [
+pub const CHANNELS: [(&str, &str); 6] = [
     ("ray_", "A ray enters where valid and ready are 1."),
     ("hit_", "The hit of a ray that has ended, in the order of the ends; it stays until ready is 1."),
     ("cand_", "A candidate, about which the user decides; its tag tells the ray."),
     ("answer_", "The verdict on the candidate with this tag, in any order, after any time."),
+    ("search_", "A search enters where valid and ready are 1: the address of its job, a multiple of 64."),
+    ("result_", "A result of a search that has ended, the best first; it stays until ready is 1."),
 ];
 /// Those of the memory's channels, and the counts.
-pub const OF_MEMORY: [(&str, &str); 3] = [
+pub const OF_MEMORY: [(&str, &str); 5] = [
     ("mem_req_", "The request of a block: it stays until ready is 1; a tag has one request at a time."),
     ("mem_rsp_", "A beat of a block, those of a tag in order of addresses; ready is always 1."),
+    ("vec_req_", "The request of 64 bytes of searches: it stays until ready is 1."),
+    ("vec_rsp_", "A beat of them, those of a tag in order of addresses; ready is always 1."),
     COUNTED,
 ];
 /// The counts.
@@ -49,11 +54,13 @@ pub struct Ports<'m> {
     pub beat_context: Wire<'m>,
     pub beat_error: Wire<'m>,
     pub beat: Vec<Wire<'m>>,
+    /// With searches: their channels, by the names that `raypath_search` has.
+    pub search: Named<'m>,
 }
 
 impl<'m> Ports<'m> {
     pub fn new(m: &'m Builder, parameters: UnitParameters) -> Self {
-        let UnitParameters { contexts, memory_width, id_width, step, .. } = parameters;
+        let UnitParameters { contexts, memory_width, id_width, step, search, .. } = parameters;
         let base = parameters.base_bits();
         let flush = m.input("flush_i", 1).comment("all rays are dropped, until idle_o is 1");
         let node_limit = m.input("node_limit_i", 32).comment("the nodes that a ray may read; 0: any number");
@@ -92,6 +99,7 @@ impl<'m> Ports<'m> {
             beat_context: m.input("mem_rsp_tag_i", bits(contexts)),
             beat_error: m.input("mem_rsp_error_i", 1),
             beat: data_words(m, "mem_rsp_data", "_i", memory_width),
+            search: search.0.map_or_else(Vec::new, |search| search_ports(m, search, parameters)),
         }
     }
 }
@@ -193,6 +201,21 @@ impl<'m> Backwards<'m> {
 
 /// What is kept of a fetch for the hits of its block, with candidates all of it.
 const CULLS: [(&str, u32); 3] = [("culls_clockwise", 1), ("culls_counter_clockwise", 1), ("repeats", 1)];
+
+/// The ports of searches.
+fn search_ports(m: &Builder, search: SearchParameters, parameters: UnitParameters) -> Named<'_> {
+    let UnitParameters { id_width, memory_width, .. } = parameters;
+    let base = parameters.base_bits();
+    let ports = [("search_valid", 1), ("search_id", id_width), ("search_job", 32)].into_iter();
+    let ports = ports.chain((base > 0).then_some(("search_base", base)));
+    let of_memory =
+        [("vec_req_ready", 1), ("vec_rsp_valid", 1), ("vec_rsp_tag", bits(search.blocks)), ("vec_rsp_error", 1)];
+    let ports = ports.chain([("result_ready", 1)]).chain(of_memory);
+    let mut ports: Named<'_> = ports.map(|(name, width)| named(name, m.input(&format!("{name}_i"), width))).collect();
+    let data = data_words(m, "vec_rsp_data", "_i", memory_width.min(8 * SEARCH_BLOCK));
+    ports.extend(data.into_iter().enumerate().map(|(word, wire)| named(&format!("vec_rsp_data_{word}"), wire)));
+    ports
+}
 
 /// The ports of a verdict, by the names that the steps have for them.
 fn verdict(m: &Builder, contexts: u32) -> Named<'_> {

@@ -1,6 +1,7 @@
 //! The parameters of the unit by name: one table, from which options, configuration files and keywords follow.
 
 use super::parameters::UnitParameters;
+use crate::search::Searches;
 
 /// A parameter of the unit: what users need to know of it, and how it is read and changed.
 #[derive(Debug, Clone, Copy)]
@@ -52,6 +53,8 @@ declare! {
     "queries": step.features.queries, "none|flags|full",
         "What ray queries need: opacity, masks and flags of instances; with full also candidates for a shader";
     "parity": parity, "true|false", "The memories that a step reads have parity, and an error ends the ray";
+    "search": search, "none|k=K,m=M,...",
+        "Searches beside rays: the most neighbours k and candidates m, and contexts, dimensions, blocks, remembered, turns";
     "front": step.front, "counter-clockwise|clockwise", "Order of the vertices of a front face";
 }
 
@@ -79,8 +82,15 @@ impl UnitParameter {
         Ok(())
     }
 
+    fn is_search(&self) -> bool {
+        self.name == "search"
+    }
+
     /// Whether the parameter has this value.
     pub(super) fn accepts(&self, value: &str) -> bool {
+        if self.is_search() {
+            return value.parse::<Searches>().is_ok();
+        }
         let number = |text: &str| text.parse::<u32>().ok();
         match self.values.split_once("..") {
             Some((least, greatest)) => (number(least)..=number(greatest)).contains(&number(value)),
@@ -90,6 +100,9 @@ impl UnitParameter {
 
     /// The accepted values in words.
     pub(super) fn expected(&self) -> String {
+        if self.is_search() {
+            return Searches::expected();
+        }
         let words = self.values.replace("..", " to ");
         match words.rsplit_once('|') {
             Some((others, last)) => format!("{} or {last}", others.replace('|', ", ")),

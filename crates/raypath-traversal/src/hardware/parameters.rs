@@ -2,6 +2,7 @@
 
 use crate::blocks::NodeKind;
 use crate::query::Front;
+use crate::search::Searches;
 use crate::step::{StepParameters, UnitFeatures};
 use std::fmt;
 use thiserror::Error;
@@ -27,6 +28,8 @@ pub struct UnitParameters {
     /// The words that a step reads have a parity bit in their memories; if it is wrong, the ray ends with
     /// [`status::MEMORY`](crate::state::status::MEMORY).
     pub parity: bool,
+    /// Searches, which share the datapath with rays.
+    pub search: Searches,
 }
 
 impl Default for UnitParameters {
@@ -40,13 +43,24 @@ impl Default for UnitParameters {
             divider_latency: 11,
             ram_latency: 1,
             parity: false,
+            search: Searches(None),
         }
     }
 }
 
 impl fmt::Display for UnitParameters {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { contexts, step, memory_width, id_width, address_width, divider_latency, ram_latency, parity } = self;
+        let Self {
+            contexts,
+            step,
+            memory_width,
+            id_width,
+            address_width,
+            divider_latency,
+            ram_latency,
+            parity,
+            search,
+        } = self;
         write!(
             f,
             "{contexts} contexts, stacks of {}, memory of {memory_width} bits, ids of {id_width} bits, division in \
@@ -73,7 +87,8 @@ impl fmt::Display for UnitParameters {
             write!(f, ", queries {}", step.features.queries)?;
         }
         f.write_str(if step.front == Front::Clockwise { ", clockwise fronts" } else { "" })?;
-        f.write_str(if *parity { ", parity" } else { "" })
+        f.write_str(if *parity { ", parity" } else { "" })?;
+        search.0.map_or(Ok(()), |search| write!(f, ", {search}"))
     }
 }
 

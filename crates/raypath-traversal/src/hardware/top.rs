@@ -13,12 +13,14 @@ use super::parameters::UnitParameters;
 use super::parametric::parametric;
 use super::queue::{bits, queue};
 use super::rays::rays;
+use super::search::{SearchPorts, search_engine};
 use super::walk::walk;
 use crate::blocks::{NodeKind, VERTEX_WORDS};
 use crate::engine::COUNTS;
 use crate::error::UnitError;
 use crate::instance::{TRANSFORM_OPCODE, Transform};
 use crate::netlist::wires;
+use crate::search::{SEARCH_BLOCK, SearchParameters};
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
@@ -66,7 +68,8 @@ impl UnitNetlist {
             conservative: true,
             ..Features::OFF
         };
-        let config = config.lanes(Lanes::None).features(features);
+        let lanes = if parameters.search.0.is_some() { Lanes::Sixteen } else { Lanes::None };
+        let config = config.lanes(lanes).features(features);
         let datapath = datapath(config, parameters)?;
         let top = top(datapath.top(), parameters)?;
         Ok(Self { top, datapath, config, parameters })
@@ -144,8 +147,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let decoder = top.decoder(&issue, &blocks, &issued)?;
     let jobs = Jobs { rays, blocks, issue, decoder, fetched };
 
+    let searches = top.searches(&ports)?;
     m.section("The datapath");
-    let outcome = top.datapath(datapath, &jobs);
+    let outcome = top.datapath(datapath, &jobs, searches.as_ref());
 
     m.section("Distances of triangles");
     let closest = top.distance(&jobs, &outcome)?;
@@ -159,7 +163,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     m.section("Requests to the memory, and hits");
     let (request, hits) = (top.requests(&ports, &walk)?, top.hits(&ports, &walk)?);
     let candidates = top.candidates(&ports, &walk)?;
-    top.outputs(&ports, &jobs.rays, &request, &hits, candidates.as_ref());
+    top.outputs(&ports, &jobs.rays, &request, &hits, candidates.as_ref(), searches.as_ref());
     let Outcome { enters: [boxes, triangles, transforms], waits, .. } = outcome;
     let [steps, fetches, rays, restarts] = ["steps", "fetches", "ends", "restarts"].map(|name| walk.port(name));
     let asks = if parameters.step.features.has_candidates() { walk.port("asks") } else { m.constant(1, 0) };
@@ -185,6 +189,8 @@ struct Outcome<'m> {
     ports: Outputs<'m>,
     is_boxes: Wire<'m>,
     is_transform: Option<Wire<'m>>,
+    /// Whether it is that of a beat.
+    is_beat: Option<Wire<'m>>,
     tag: Wire<'m>,
     context: Wire<'m>,
     /// Drives whether the outcome is taken.
@@ -192,6 +198,16 @@ struct Outcome<'m> {
     /// Whether a job of each kind enters, by the order of the counts, and whether one waits.
     enters: [Wire<'m>; 3],
     waits: Wire<'m>,
+}
+
+/// The searches of the unit.
+struct SearchParts<'m> {
+    engine: Outputs<'m>,
+    parameters: SearchParameters,
+    /// The datapath takes a beat.
+    ready: Forward<'m>,
+    /// What comes back from the datapath, by name.
+    outcome: Vec<(&'static str, Forward<'m>)>,
 }
 
 /// The top module while it is built.
@@ -329,7 +345,24 @@ impl<'m> Top<'m> {
         Ok(Some(decoder))
     }
 
-    fn datapath(&self, datapath: &Arc<Module>, jobs: &Jobs<'m>) -> Outcome<'m> {
+    fn searches(&self, ports: &Ports<'m>) -> Result<Option<SearchParts<'m>>, UnitError> {
+        let UnitParameters { memory_width, address_width, id_width, divider_latency, search, .. } = self.parameters;
+        let Some(parameters) = search.0 else { return Ok(None) };
+        self.m.section("Searches");
+        let memory_width = memory_width.min(8 * SEARCH_BLOCK);
+        let engine = search_engine(parameters, SearchPorts { memory_width, address_width, id_width, divider_latency })?;
+        let ready = self.m.forward("beat_ready", 1);
+        let outcome = [("valid", 1), ("squares", 32), ("dot", 32), ("norm", 32)]
+            .map(|(name, width)| (name, self.m.forward(&format!("outcome_{name}"), width)));
+        let engine = Inputs::default()
+            .ports(ports.search.iter().cloned())
+            .port("beat_ready", ready.wire())
+            .ports(outcome.iter().map(|(name, forward)| named(&format!("outcome_{name}"), forward.wire())))
+            .place(self.m, "u_search", &engine);
+        Ok(Some(SearchParts { engine, parameters, ready, outcome: outcome.to_vec() }))
+    }
+
+    fn datapath(&self, datapath: &Arc<Module>, jobs: &Jobs<'m>, searches: Option<&SearchParts<'m>>) -> Outcome<'m> {
         let m = self.m;
         datapath.text().package.iter().for_each(|package| m.package(package));
         let opcode = |code: u64, name| m.constant(datapath.port_width("opcode_i").unwrap_or(1), code).hint(name);
@@ -343,20 +376,46 @@ impl<'m> Top<'m> {
             Some(decoder) => (decoder.port("valid"), jobs.fetched[0].1.is(0).named("is_node")),
         };
         let tag = m.concat(&["context", "place", "is_last"].map(|name| jobs.of_block().port(name))).named("job_tag");
+        let mut job_opcode = is_node.mux(boxes, other).hint("ray_opcode");
         let ready = m.forward("outcome_ready", 1);
+        let takes = m.forward("takes_job", 1);
+        let mut beat = Vec::new();
+        let (mut input_valid, mut takes_ray) = (offer, takes.wire());
+        let [euclidean, angular] = [(JobKind::Euclidean, "OpEuclidean"), (JobKind::Angular, "OpAngular")];
+        let of_beats = || [euclidean, angular].map(|(kind, name)| opcode(kind.opcode(), name));
+        if let Some(SearchParts { engine, parameters, ready, .. }) = searches {
+            let is_beat = whose_turn(m, parameters.turns, [offer, engine.port("beat_valid")], takes.wire());
+            let [euclidean, angular] = of_beats();
+            input_valid = offer | engine.port("beat_valid");
+            job_opcode = is_beat.mux(engine.port("beat_is_angular").mux(angular, euclidean), job_opcode);
+            ready.drive(takes.wire() & is_beat);
+            takes_ray = (takes.wire() & !is_beat).named("takes_ray");
+            beat = beat_inputs(engine);
+        }
         let ports = Inputs::default()
-            .port("input_valid", offer)
+            .port("input_valid", input_valid)
             .port("output_ready", ready.wire())
-            .port("opcode", is_node.mux(boxes, other).named("job_opcode"))
+            .port("opcode", job_opcode.named("job_opcode"))
             .port("tag", tag)
             .ports(jobs.inputs(m, datapath))
+            .ports(beat)
             .place(m, "u_datapath", datapath);
-        self.back.job_ready.drive(ports.port("input_ready"));
+        takes.drive(ports.port("input_ready"));
+        self.back.job_ready.drive(takes_ray);
+        let is_beat = searches.map(|SearchParts { outcome, .. }| {
+            let is = of_beats().map(|code| ports.port("opcode").equals(code));
+            let is_beat = (is[0] | is[1]).named("is_beat");
+            let sums = ["euclidean_accumulator", "angular_dot_product", "angular_norm"].map(|name| ports.port(name));
+            let is_last = ports.port("euclidean_reset_accum") | ports.port("angular_reset_accum");
+            let back = [ports.port("output_valid") & is_beat & is_last].into_iter().chain(sums);
+            outcome.iter().zip(back).for_each(|((_, forward), wire)| forward.drive(wire));
+            is_beat
+        });
         let is_boxes = ports.port("opcode").equals(boxes).named("is_boxes");
         let tag = ports.port("tag");
         let context = tag.upper(self.width).named("outcome_context");
         let is_transform = is_instance.map(|_| ports.port("opcode").equals(transform()).named("is_transform"));
-        let taken = ports.port("input_ready");
+        let taken = takes_ray;
         let enters = (offer & taken).named("job_enters");
         let is_other = (enters & !is_node).named("other_enters");
         let [triangles, transforms] = match is_instance {
@@ -364,17 +423,19 @@ impl<'m> Top<'m> {
             Some(is_instance) => [is_other & !is_instance, is_other & is_instance],
         };
         let enters = [enters & is_node, triangles, transforms];
-        Outcome { ports, is_boxes, is_transform, tag, context, ready, enters, waits: offer & !taken }
+        Outcome { ports, is_boxes, is_transform, is_beat, tag, context, ready, enters, waits: offer & !taken }
     }
 
     fn distance(&self, jobs: &Jobs<'m>, outcome: &Outcome<'m>) -> Result<Outputs<'m>, UnitError> {
         let StepParameters { features, .. } = self.parameters.step;
-        let Outcome { ports, is_boxes, is_transform, tag, context, ready, .. } = outcome;
+        let Outcome { ports, is_boxes, is_transform, is_beat, tag, context, ready, .. } = outcome;
         let weights = [("u_num", "barycentric_v"), ("v_num", "barycentric_w")];
         let weights = weights.into_iter().filter(|(name, _)| features.has(name));
         let weights: Named<'m> = weights.map(|(name, port)| named(name, ports.port(port))).collect();
         let place = tag.bits(self.parameters.step.place_bits(), 1);
-        let is_triangle = is_transform.map_or(!*is_boxes, |is_transform| !*is_boxes & !is_transform);
+        let is_other = is_transform.map_or(*is_boxes, |is_transform| *is_boxes | is_transform);
+        let is_other = is_beat.map_or(is_other, |is_beat| is_other | is_beat);
+        let is_triangle = !is_other;
         let closest = Inputs::default()
             .port("valid", ports.port("output_valid") & is_triangle)
             .port("context", *context)
@@ -396,7 +457,8 @@ impl<'m> Top<'m> {
         // Outcomes of box jobs wait in a memory.
         let is_taken = closest.port("ready");
         let is_taken = is_transform.map_or(is_taken, |is| is.mux(jobs.rays.port("transformed_ready"), is_taken));
-        ready.drive(*is_boxes | is_taken);
+        let is_kept = is_beat.map_or(*is_boxes, |is_beat| *is_boxes | is_beat);
+        ready.drive(is_kept | is_taken);
         ready.wire().comment("always of boxes: the memory of their outcomes has a word for each context");
         Ok(closest)
     }
@@ -549,13 +611,15 @@ impl<'m> Top<'m> {
         request: &Outputs<'m>,
         hits: &Outputs<'m>,
         candidates: Option<&Outputs<'m>>,
+        searches: Option<&SearchParts<'m>>,
     ) {
         let (m, StepParameters { features, node, .. }) = (self.m, self.parameters.step);
         let (flushes, has_hit) = (ports.flushes.wire(), hits.port("valid"));
         let idle = (rays.port("is_idle") & !has_hit).named("idle");
+        let is_idle = searches.map_or(idle, |searches| idle & searches.engine.port("is_idle"));
         ports.flushes.next(ports.flush | (flushes & !idle));
-        m.output("idle_o", idle);
-        m.output("busy_o", !idle);
+        m.output("idle_o", is_idle);
+        m.output("busy_o", !is_idle);
         m.output("ray_ready_o", rays.port("ready") & !flushes);
         m.output("hit_valid_o", has_hit & !flushes);
         m.output("hit_id_o", rays.port("id"));
@@ -584,5 +648,40 @@ impl<'m> Top<'m> {
         m.output("mem_req_addr_o", m.concat(&[request.port("block"), m.constant(node.offset_bits(), 0)]));
         m.output("mem_req_tag_o", request.port("context"));
         m.output("mem_rsp_ready_o", m.constant(1, 1));
+        if let Some(SearchParts { engine, .. }) = searches {
+            m.output("search_ready_o", engine.port("search_ready"));
+            for stem in ["result", "vec_req"] {
+                engine.under(stem).into_iter().for_each(|(name, wire)| m.output(&format!("{stem}_{name}_o"), wire));
+            }
+            m.output("vec_rsp_ready_o", m.constant(1, 1));
+        }
     }
+}
+
+/// Whether a beat is next, and not the job of a ray, if one or both are offered: so many beats, and then a job of a ray,
+/// if both wait.
+fn whose_turn<'m>(m: &'m Builder, turns: u32, [ray, beat]: [Wire<'m>; 2], takes: Wire<'m>) -> Wire<'m> {
+    let before = m.register("beats_before_q", bits(turns + 1)).reset_to(0);
+    before.wire().comment("the beats that went before the job of a ray that waits");
+    let is_turn_of_ray = before.wire().is(turns.into());
+    let is_beat = (beat & !(ray & is_turn_of_ray)).named("is_beat_next");
+    let one_more = before.wire() + m.constant(before.wire().width(), 1);
+    let after = (is_beat & ray).mux(one_more, m.constant(before.wire().width(), 0));
+    before.next_when(takes & (ray | beat), after);
+    is_beat
+}
+
+/// The inputs of the datapath that beats have.
+fn beat_inputs<'m>(engine: &Outputs<'m>) -> Named<'m> {
+    let lanes = engine.under("beat_mask").len();
+    let mask: Vec<Wire<'m>> = (0..lanes).rev().map(|lane| engine.port(&format!("beat_mask_{lane}"))).collect();
+    let mut inputs = Vec::new();
+    for stem in ["a", "b"] {
+        let lane =
+            |lane: usize| named(&format!("euclidean_{stem}_{lane}"), engine.port(&format!("beat_{stem}_{lane}")));
+        inputs.extend((0..lanes).map(lane));
+    }
+    inputs.push(named("euclidean_mask", mask[0].builder().concat(&mask)));
+    inputs.push(named("euclidean_reset_accum", engine.port("beat_is_last")));
+    inputs
 }

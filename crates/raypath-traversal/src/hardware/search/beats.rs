@@ -22,8 +22,8 @@ pub const NORM: u64 = 3;
 /// beats of its vectors are sent.
 ///
 /// A beat is offered where `beat_valid_o` is 1, until `beat_ready_i` is 1: its lanes, `a_…_o` of the query and `b_…_o` of
-/// the vector, `mask_…_o`, whether it `is_last_o` of its vector, and what it is for, `code_o`. With the last beat, and
-/// for each marker, `sent_o` is 1, with kind, context, index and whether the search has failed. `can_send_i` says that it
+/// the vector, `mask_…_o`, whether it `is_last_o` of its vector, and `is_angular_o`. With the last beat, and for
+/// each marker, `sent_o` is 1, with kind, context, index, what the outcome is for, `code_o`, and whether the search has failed. `can_send_i` says that it
 /// may be.
 pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_search_beats");
@@ -109,6 +109,8 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let sends = ((leaves & is_last) | (is_marker & can_send)).named("sends");
     ends.drive((is_job & job_ready) | is_query | is_list | skips | (leaves & is_end) | (is_marker & can_send));
 
+    // In an even half beat, the lower lanes have the elements of a Euclidean beat.
+    let half = is_angular.mux(beat, m.concat(&[beat.lower(2), m.constant(1, 0)])).named("half_beat");
     let widen = widen()?;
     let of = |name: &str, words: &[Wire<'_>], lane: usize| {
         let part = |bits: u32, from: usize| {
@@ -121,10 +123,8 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
             if lane >= LANES / 2 {
                 return chosen(beat, &euclidean);
             }
-            // In an even angular beat, these lanes have the elements of a Euclidean beat.
             let angular: Vec<Wire<'_>> = (0..2 * per_block / LANES).map(|k| part(bits, LANES / 2 * k + lane)).collect();
-            let number = is_angular.mux(beat, m.concat(&[beat.lower(2), m.constant(1, 0)]));
-            chosen(number, &angular)
+            chosen(half, &angular)
         };
         let inputs = [("elements_i", elements), ("word_i", at(32)), ("half_i", at(16)), ("byte_i", at(8))];
         m.instance(&format!("u_{name}_{lane}"), &widen, &inputs)[0]
@@ -138,6 +138,7 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     m.output("take_o", take);
     m.output("beat_valid_o", offer);
     m.output("is_last_o", is_last);
+    m.output("is_angular_o", is_angular);
     m.output("code_o", is_norm.mux(m.constant(2, NORM), metric));
     m.output("sent_o", sends);
     m.output("kind_o", kind);

@@ -9,7 +9,7 @@ use super::list::list;
 use super::ranks::ranks;
 use super::results::results;
 use super::turns::turns;
-use super::wiring::{BLOCK_SHIFT, WORDS, context_bits};
+use super::wiring::{BLOCK_BITS, BLOCK_SHIFT, WORDS, context_bits};
 use crate::search::SearchParameters;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
@@ -30,9 +30,9 @@ pub struct SearchPorts {
 /// The module `raypath_search`: searches beside a datapath.
 ///
 /// A job enters by `search_…`: the address of its words, a multiple of 64, and a number, which its results have. Results
-/// leave by `result_…`. Blocks of 64 bytes are read by `fetch_req_…` and `fetch_rsp_…`. Beats go to the datapath by
-/// `beat_…`; the outcome of the last beat of a vector comes where `outcome_valid_i` is 1, with the code that the beat had
-/// at `beat_code_o`, and never waits.
+/// leave by `result_…`. Blocks of 64 bytes are read by `vec_req_…` and `vec_rsp_…`. Beats go to the datapath by
+/// `beat_…`; the outcome of the last beat of a vector comes where `outcome_valid_i` is 1, at least two cycles later and in
+/// order, and never waits.
 pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result<Arc<Module>, Error> {
     let SearchPorts { memory_width, address_width, id_width, divider_latency } = ports;
     let builder = Builder::new("raypath_search");
@@ -45,13 +45,12 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
     let search_job = m.input("search_job_i", 32);
     let search_base = (base_bits > 0).then(|| m.input("search_base_i", base_bits));
     let result_ready = m.input("result_ready_i", 1);
-    let req_ready = m.input("fetch_req_ready_i", 1);
-    let [rsp_valid, rsp_error] = ["valid", "error"].map(|name| m.input(&format!("fetch_rsp_{name}_i"), 1));
-    let rsp_tag = m.input("fetch_rsp_tag_i", bits(parameters.blocks));
-    let data = data_words(m, "fetch_rsp_data", "_i", memory_width);
+    let req_ready = m.input("vec_req_ready_i", 1);
+    let [rsp_valid, rsp_error] = ["valid", "error"].map(|name| m.input(&format!("vec_rsp_{name}_i"), 1));
+    let rsp_tag = m.input("vec_rsp_tag_i", bits(parameters.blocks));
+    let data = data_words(m, "vec_rsp_data", "_i", memory_width);
     let beat_ready = m.input("beat_ready_i", 1);
     let outcome_valid = m.input("outcome_valid_i", 1);
-    let outcome_code = m.input("outcome_code_i", 2);
     let sums = ["squares", "dot", "norm"].map(|name| named(name, m.input(&format!("outcome_{name}_i"), 32)));
     m.unused("unused_job", &[search_job.lower(BLOCK_SHIFT)]);
 
@@ -61,7 +60,7 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
         ["releases", "loads", "list_valid", "expands", "burst_ready", "take"].map(|name| forward(name, 1));
     let [release_context, block_context, expands_context] =
         ["release_context", "block_context", "expands_context"].map(|name| forward(name, width));
-    let (list_half, expands_index) = (forward("list_half", 1), forward("expands_index", 32));
+    let (list_half, expands_index) = (forward("list_half", 1), forward("expands_index", BLOCK_BITS));
     let failed = forward("failed", parameters.contexts);
     let words: Vec<_> = (0..WORDS).map(|k| (format!("word_{k}"), forward(&format!("word_{k}"), 32))).collect();
     let word_wires: Vec<(String, Wire<'_>)> = words.iter().map(|(name, word)| named(name, word.wire())).collect();
@@ -112,10 +111,9 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
     list_half.drive(beats.port("index").bit(0));
     let ranks = Inputs::default()
         .port("sent", beats.port("sent"))
-        .ports(["kind", "context", "index"].map(|name| named(name, beats.port(name))))
+        .ports(["kind", "context", "index", "code"].map(|name| named(name, beats.port(name))))
         .port("failed", beats.port("has_failed"))
         .port("valid", outcome_valid)
-        .port("code", outcome_code)
         .ports(sums)
         .port("taken", list_takes.wire())
         .place(m, "u_ranks", &ranks(parameters, divider_latency)?);
@@ -162,15 +160,15 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
 
     m.output("search_ready_o", turns.port("enter_ready"));
     results.under("result").into_iter().for_each(|(name, wire)| m.output(&format!("result_{name}_o"), wire));
-    m.output("fetch_req_valid_o", fetch.port("req_valid"));
-    m.output("fetch_req_addr_o", m.concat(&[fetch.port("req_block"), m.constant(BLOCK_SHIFT, 0)]));
-    m.output("fetch_req_tag_o", fetch.port("req_tag"));
+    m.output("vec_req_valid_o", fetch.port("req_valid"));
+    m.output("vec_req_addr_o", m.concat(&[fetch.port("req_block"), m.constant(BLOCK_SHIFT, 0)]));
+    m.output("vec_req_tag_o", fetch.port("req_tag"));
     m.output("beat_valid_o", beats.port("beat_valid"));
     for (stem, count) in [("a", LANES), ("b", LANES), ("mask", LANES)] {
         (0..count).for_each(|lane| m.output(&format!("beat_{stem}_{lane}_o"), beats.port(&format!("{stem}_{lane}"))));
     }
     m.output("beat_is_last_o", beats.port("is_last"));
-    m.output("beat_code_o", beats.port("code"));
-    m.output("search_is_idle_o", turns.port("is_idle"));
+    m.output("beat_is_angular_o", beats.port("is_angular"));
+    m.output("is_idle_o", turns.port("is_idle"));
     builder.finish()
 }

@@ -3,7 +3,7 @@
 use super::super::connect::{Access, hold, keep, named, select};
 use super::super::queue::bits;
 use super::super::scheduler::lowest;
-use super::wiring::{BURST_BITS, Burst, context_bits, number_of, when};
+use super::wiring::{BLOCK_BITS, BURST_BITS, Burst, context_bits, number_of, when};
 use crate::search::SearchParameters;
 use raypath_hdl::{Builder, Error, Module, Register, Wire};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ const NOTHING: u64 = 0xffff_ffff;
 /// A search begins where `clear_valid_i` and `clear_ready_o` are 1, for `clear_context_i`: with the key of its bound, the
 /// numbers of the last candidate and of the last neighbour, and whether it is refused. Vectors and markers come where
 /// `valid_i` is 1, and are taken where `taken_o` is 1. A vector is dropped if its key is behind the bound, if it is in the
-/// list, or if it is behind a full list. Where `expands_o` is 1, the neighbours of `index_o` come next in the search of
+/// list, or if it is behind a full list. Where `expands_o` is 1, the neighbours of `index_o` (its lower bits, which select a block) come next in the search of
 /// `context_o`: it is the best candidate for which that was not said. If there is none, and at the last marker, the
 /// neighbours leave, the best first, where `found_valid_o` and `found_ready_i` are 1, and after them the end, with its
 /// status: 0, 1 for a job that is refused, 2 for an error of the memory. The last two have no neighbours.
@@ -121,7 +121,8 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     m.section("The best candidate whose neighbours were not asked for");
     let mut can_expand = Vec::new();
     for (k, entry) in entries.iter().enumerate() {
-        let is_kept = !is_last | !last_candidate.lower(PER_WORD.ilog2()).less(m.constant(PER_WORD.ilog2(), k as u64));
+        let behind = |k: usize| last_candidate.lower(PER_WORD.ilog2()).less(m.constant(PER_WORD.ilog2(), k as u64));
+        let is_kept = if k == 0 { m.constant(1, 1) } else { !is_last | !behind(k) };
         can_expand.push(!is_nothing[k] & !entry[2] & is_kept);
     }
     can_expand.reverse();
@@ -168,7 +169,8 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     m.output("taken_o", take);
     m.output("expands_o", expands);
     m.output("context_o", context);
-    m.output("index_o", of_entry(number, 1));
+    let blocks: Vec<Wire<'_>> = entries.iter().map(|entry| entry[1].lower(BLOCK_BITS)).collect();
+    m.output("index_o", select(number, &blocks));
     m.output("found_valid_o", drains.wire());
     m.output("found_key_o", of_entry(place.wire(), 0));
     m.output("found_index_o", of_entry(place.wire(), 1));

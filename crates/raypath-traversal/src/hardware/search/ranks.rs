@@ -26,7 +26,8 @@ pub fn ranks(parameters: SearchParameters, divider_latency: u32) -> Result<Arc<M
     let sent = m.input("sent_i", 1);
     let fields = [("kind", BURST_BITS), ("context", context_bits(parameters)), ("index", 32), ("failed", 1)];
     let of_sent: Vec<Wire<'_>> = fields.iter().map(|(name, width)| m.input(&format!("{name}_i"), *width)).collect();
-    let (valid, code) = (m.input("valid_i", 1), m.input("code_i", 2));
+    let of_sent_kind = of_sent[0];
+    let (valid, next_code) = (m.input("valid_i", 1), m.input("code_i", 2));
     let [squares, dot, norm] = ["squares_i", "dot_i", "norm_i"].map(|name| m.input(name, 32));
     let taken = m.input("taken_i", 1);
 
@@ -40,6 +41,14 @@ pub fn ranks(parameters: SearchParameters, divider_latency: u32) -> Result<Arc<M
         .ports(fields.iter().zip(of_sent).map(|((name, _), wire)| (name.to_string(), wire)))
         .port("pop", pops.wire())
         .place(m, "u_sent", &queue("raypath_search_sent", IN_FLIGHT, &fields)?);
+
+    let is_vector = sent & !Burst::is_marker(of_sent_kind);
+    let code = Inputs::default().port("push", is_vector).port("code", next_code).port("pop", valid).place(
+        m,
+        "u_codes",
+        &queue("raypath_search_codes", IN_FLIGHT, &[("code", 2)])?,
+    );
+    let code = code.port("code").comment("an outcome comes later than its code");
 
     m.section("The quotient of dot product and norm, which the cosine's rank needs");
     let is_euclidean = code.is(0).named("is_euclidean");

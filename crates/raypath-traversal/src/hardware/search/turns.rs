@@ -4,13 +4,10 @@ use super::super::connect::{Access, Named, hold, keep, named, select};
 use super::super::scheduler::{after_last, lowest};
 use super::fetch::COUNT_BITS;
 use super::list::place_bits;
-use super::wiring::{BLOCK_SHIFT, Burst, WORDS, bit_of, context_bits, key_of, number_of, one_hot, when};
+use super::wiring::{BLOCK_BITS, BLOCK_SHIFT, Burst, WORDS, bit_of, context_bits, key_of, number_of, one_hot, when};
 use crate::search::SearchParameters;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
-
-/// Bits of the number of a block in the 4 GiB that a job reaches.
-const BLOCK_BITS: u32 = 32 - BLOCK_SHIFT;
 
 /// Vectors or indices of a turn.
 const PER_TURN: u64 = WORDS as u64;
@@ -69,7 +66,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let (list, expands) = ((m.input("list_valid_i", 1), load.1), event("expands", "expands_context"));
     let list_half = m.input("list_half_i", 1);
     let words: Vec<Wire<'_>> = (0..WORDS).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
-    let expanded = m.input("expands_index_i", 32);
+    let expanded = m.input("expands_index_i", BLOCK_BITS);
     let failed = m.input("failed_i", contexts);
     let burst_ready = m.input("burst_ready_i", 1);
 
@@ -203,8 +200,9 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
         (asks_list, is_neighbours.mux(of_job("list"), first_list)),
     ];
     let base = base.into_iter().fold(of_job("vectors"), |rest, (is, base)| is.mux(base, rest)).named("base");
-    let of_vector = when(compares | asks_vector, index);
-    let factor = asks_list.mux(when(is_neighbours, candidate), of_vector).lower(BLOCK_BITS).named("factor");
+    let of_vector = when(compares | asks_vector, index.lower(BLOCK_BITS));
+    let of_list = when(is_neighbours, candidate);
+    let factor = asks_list.mux(of_list, of_vector).named("factor");
     let len = of_job("len");
     let list_stride = (len.bits(16, 4) + len.lower(4).any().extend(13)).extend(BLOCK_BITS);
     let stride = asks_list.mux(list_stride, of_job("stride")).named("stride");
@@ -275,7 +273,9 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     writes.drive(offers & is_compared & burst_ready);
     let new = [index].into_iter().chain(known.iter().map(|(_, way)| *way));
     ways.iter().zip(new).for_each(|(forward, way)| forward.drive(way | sweep.replicate(32)));
-    let block = base + (factor * stride).lower(BLOCK_BITS) + offset;
+    let product = (factor * stride).named("product");
+    m.unused("unused_product", &[product.upper(BLOCK_BITS)]);
+    let block = base + product.lower(BLOCK_BITS) + offset;
     let block = of_enter.get(1).map_or(block, |(_, base)| m.concat(&[held("upper", *base), block]));
 
     m.output("enter_ready_o", can_enter);
@@ -313,10 +313,11 @@ impl<'m> Settings<'m> {
         let [is_list, is_graph] = [place.any(), place.is(2)];
         let elements = words[0].bits(9, 8);
         let dimensions = low(1).lower(13);
-        // Elements of a block, less one, are added so that a vector's last block counts.
-        let wide = |added: u64, shift: u32| (dimensions + m.constant(13, added)).upper(13 - shift).extend(COUNT_BITS);
-        let blocks =
-            elements.bit(1).mux(wide(63, 6), elements.bit(0).mux(wide(31, 5), wide(15, 4))).named("job_blocks");
+        let blocks = |shift: u32| {
+            let whole = dimensions.upper(13 - shift).extend(COUNT_BITS);
+            whole + dimensions.lower(shift).any().extend(COUNT_BITS)
+        };
+        let blocks = elements.bit(1).mux(blocks(6), elements.bit(0).mux(blocks(5), blocks(4))).named("job_blocks");
         let is_aligned = |k: usize| !words[k].lower(BLOCK_SHIFT).any();
         let (k, candidates) = (high(0), high(1));
         let scale = words[12];

@@ -29,6 +29,9 @@ pub const BURST_BITS: u32 = 3;
 /// Bits of the number of a block's address.
 pub const BLOCK_SHIFT: u32 = 6;
 
+/// Bits of the number of a block in the 4 GiB that a job reaches.
+pub const BLOCK_BITS: u32 = 32 - BLOCK_SHIFT;
+
 /// Words of a block.
 pub const WORDS: u32 = 16;
 
@@ -56,7 +59,7 @@ pub fn context_bits(parameters: SearchParameters) -> u32 {
 
 /// Bits of the number of a block of a vector.
 pub fn vector_block_bits(parameters: SearchParameters) -> u32 {
-    bits((parameters.dimensions / WORDS).max(2))
+    bits(parameters.dimensions.div_ceil(WORDS).max(2))
 }
 
 /// The word in which only the bit of this number is set.
@@ -76,7 +79,7 @@ pub fn number_of(one_hot: Wire<'_>) -> Wire<'_> {
 
 /// The bit of this number.
 pub fn bit_of<'m>(word: Wire<'m>, number: Wire<'m>) -> Wire<'m> {
-    word.shift_right(number).bit(0)
+    (word & one_hot(number, word.width())).any()
 }
 
 /// This word if the condition holds, else 0.
