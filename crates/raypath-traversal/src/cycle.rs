@@ -102,13 +102,13 @@ impl UnitEngine for UnitModel {
         let (request, candidate) = (timing.request(contexts), timing.candidate());
         let candidate = candidate.and_then(|tag| contexts.candidate(tag));
         let (is_idle, ray_ready, hit) = (timing.is_idle(), timing.ray_ready(), timing.hit());
-        UnitOutputs { is_idle, ray_ready, hit, candidate, request, response_ready: true }
+        UnitOutputs { is_idle, ray_ready, hit, candidate, request, response_ready: true, search: None }
     }
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         // The steps of this cycle read the blocks before a beat of this cycle is written.
         let Self { timing, contexts } = self;
-        let UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response } = inputs;
+        let UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response, .. } = inputs;
         let arrived = response.as_ref().and_then(|response| contexts.arrive(response));
         let (hit_ready, request_ready) = (*hit_ready, *request_ready);
         let ray = ray.as_ref().filter(|_| timing.ray_ready());

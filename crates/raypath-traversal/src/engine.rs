@@ -5,6 +5,7 @@ use crate::cycle::UnitCounts;
 use crate::hardware::UnitNetlist;
 use crate::model::{Hit, HitInstance, RayRequest, Reply};
 use crate::query::Queries;
+use crate::search::{Neighbour, SearchStatus};
 use crate::state::status;
 use crate::step::{NODE_LIMIT, UnitFeatures};
 use raypath_hdl::{Error, InputPort, Module, OutputPort, Simulator};
@@ -27,6 +28,47 @@ pub struct UnitInputs<'b> {
     pub request_ready: bool,
     /// A beat of the memory.
     pub response: Option<Response<'b>>,
+    /// The inputs of searches, in a unit that has them.
+    pub search: SearchInputs<'b>,
+}
+
+/// The inputs of searches in a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SearchInputs<'b> {
+    /// A job that is offered: its number, the upper 32 bits of its addresses, and its address.
+    pub job: Option<(u64, u32, u32)>,
+    /// Whether a result is taken.
+    pub result_ready: bool,
+    /// Whether a request is taken.
+    pub request_ready: bool,
+    /// A beat of the memory.
+    pub response: Option<Response<'b>>,
+}
+
+/// The outputs of searches in a cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchOutputs {
+    /// Whether a job is accepted.
+    pub ready: bool,
+    /// A result.
+    pub result: Option<SearchResult>,
+    /// A request to the memory, of [`SEARCH_BLOCK`](crate::search::SEARCH_BLOCK) bytes.
+    pub request: Option<BlockRequest>,
+}
+
+/// A result of a search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchResult {
+    /// The number of the job.
+    pub id: u64,
+    /// The neighbours of the job before it.
+    pub rank: u32,
+    /// The neighbour; none if the job has none.
+    pub neighbour: Option<Neighbour>,
+    /// How the job has ended, if the result is the last.
+    pub status: SearchStatus,
+    /// Whether it is the job's last.
+    pub is_last: bool,
 }
 
 /// A beat of a block.
@@ -55,6 +97,8 @@ pub struct UnitOutputs {
     pub request: Option<BlockRequest>,
     /// Whether a beat is taken, which is so in every cycle.
     pub response_ready: bool,
+    /// The outputs of searches, in a unit that has them.
+    pub search: Option<SearchOutputs>,
 }
 
 /// A candidate that waits for a verdict.
@@ -215,6 +259,8 @@ pub struct UnitPorts {
     features: UnitFeatures,
     /// Rays have a base.
     has_base: bool,
+    /// The inputs before those of searches; none without searches.
+    before_searches: Option<usize>,
     node_limit: u32,
 }
 
@@ -230,7 +276,8 @@ impl UnitPorts {
         let (barycentrics, instances) = (has("hit_u_o"), has("hit_instance_o"));
         let features = UnitFeatures { barycentrics, instances, queries, ..UnitFeatures::OFF };
         let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
-        Self { widths, features, has_base: has("ray_base_i"), node_limit: NODE_LIMIT }
+        let before_searches = top.inputs().iter().position(|port| port.name == "search_valid_i");
+        Self { widths, features, has_base: has("ray_base_i"), before_searches, node_limit: NODE_LIMIT }
     }
 
     /// The same with another [`StepParameters::node_limit`](crate::StepParameters::node_limit).
@@ -241,7 +288,7 @@ impl UnitPorts {
 
     /// The words of the inputs. Inputs of channels that are not valid have the values of `arbitrary`.
     pub fn words(&self, inputs: &UnitInputs<'_>, mut arbitrary: impl FnMut() -> u64) -> Vec<u64> {
-        let Self { widths, features, has_base, node_limit } = self;
+        let Self { widths, features, has_base, before_searches, node_limit } = self;
         let mut words: Vec<u64> = Vec::with_capacity(widths.len());
         words.extend([inputs.flush.into(), u64::from(*node_limit), inputs.ray.is_some().into()]);
         let has_mask = features.has("cull_mask");
@@ -275,7 +322,10 @@ impl UnitPorts {
                 words.extend([u64::from(tag), is_error.into()]);
                 words.extend(beat.as_chunks().0.iter().map(|bytes| u64::from(u32::from_le_bytes(*bytes))));
             }
-            None => words.extend((words.len()..widths.len()).map(|_| arbitrary())),
+            None => words.extend((words.len()..before_searches.unwrap_or(widths.len())).map(|_| arbitrary())),
+        }
+        if before_searches.is_some() {
+            self.search_words(&inputs.search, &mut words, arbitrary);
         }
         words.iter_mut().zip(widths).for_each(|(word, width)| *word &= u64::MAX >> (64 - width));
         words
@@ -312,8 +362,41 @@ impl UnitPorts {
             candidate,
             request: has_request.then_some(BlockRequest { address, tag }),
             response_ready: word() == 1,
+            search: self.before_searches.map(|_| search_outputs(&mut word)),
         }
     }
+
+    /// Adds the words of the inputs of searches.
+    fn search_words(&self, inputs: &SearchInputs<'_>, words: &mut Vec<u64>, mut arbitrary: impl FnMut() -> u64) {
+        let SearchInputs { job, result_ready, request_ready, response } = inputs;
+        words.push(job.is_some().into());
+        let (id, base, address) = job.unwrap_or_else(|| (arbitrary(), arbitrary() as u32, arbitrary() as u32));
+        words.extend([id, address.into()]);
+        words.extend(self.has_base.then_some(u64::from(base)));
+        words.extend([*result_ready, *request_ready, response.is_some()].map(u64::from));
+        match response {
+            Some(Response { tag, is_error, beat }) => {
+                words.extend([u64::from(*tag), (*is_error).into()]);
+                words.extend(beat.as_chunks().0.iter().map(|bytes| u64::from(u32::from_le_bytes(*bytes))));
+            }
+            None => words.extend((words.len()..self.widths.len()).map(|_| arbitrary())),
+        }
+    }
+}
+
+/// The outputs of searches from their words.
+fn search_outputs(word: &mut impl FnMut() -> u64) -> SearchOutputs {
+    let (ready, is_shown, id, rank) = (word() == 1, word() == 1, word(), word() as u32);
+    let (index, distance) = (word() as u32, f32::from_bits(word() as u32));
+    let neighbour = (word() == 1).then_some(Neighbour { index, distance });
+    let status = [SearchStatus::Done, SearchStatus::Refused, SearchStatus::Memory][word().min(2) as usize];
+    let is_last = word() == 1;
+    let status = if is_last { status } else { SearchStatus::Done };
+    let result = is_shown.then_some(SearchResult { id, rank, neighbour, status, is_last });
+    let (has_request, address, tag) = (word() == 1, word(), word() as u32);
+    // Whether a beat is taken, which is so in every cycle.
+    word();
+    SearchOutputs { ready, result, request: has_request.then_some(BlockRequest { address, tag }) }
 }
 
 impl UnitPorts {

@@ -32,7 +32,8 @@ mod words;
 pub use candidate::{Candidate, Verdict};
 pub use cycle::{RayInside, RayPhase, UnitCounts, UnitModel};
 pub use engine::{
-    AskedCandidate, BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, UnitPorts,
+    AskedCandidate, BlockRequest, NetlistEngine, Response, SearchInputs, SearchOutputs, SearchResult, UnitEngine,
+    UnitInputs, UnitOutputs, UnitPorts,
 };
 pub use error::UnitError;
 pub use fold::{After, HitLimits, fold};

@@ -3,16 +3,18 @@
 mod recorded;
 mod scatter;
 mod scene;
+mod searches;
 mod two_level;
 
 pub use recorded::{RecordedCycle, RecordedEngine};
 pub use scatter::invalid_child;
 pub use scene::{BlockScene, never, random_ray};
+pub use searches::{SearchBehaviour, SearchTraffic};
 pub use two_level::TwoLevelScene;
 
 use crate::{
-    AskedCandidate, BlockRequest, Candidate, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitOutputs,
-    UnitParameters, Verdict,
+    AskedCandidate, BlockRequest, Candidate, Memory, RayRequest, Reply, Response, SearchInputs, UnitEngine, UnitInputs,
+    UnitOutputs, UnitParameters, Verdict,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -70,6 +72,8 @@ pub struct Environment<'s, M: ?Sized = [u8]> {
     latencies: BTreeMap<u64, u64>,
     failed: u64,
     moved: u64,
+    /// Searches, which the unit does beside the rays.
+    pub searches: Option<SearchTraffic<'s>>,
     /// The replies of the rays that have ended, by the numbers of the rays.
     pub replies: BTreeMap<u64, Reply>,
 }
@@ -128,6 +132,7 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
             flushes: false,
             lost: 0,
             latencies: BTreeMap::new(),
+            searches: None,
             failed: 0,
             moved: 0,
         }
@@ -220,7 +225,10 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
             self.inside.clear();
             self.flushes = false;
         }
-        if (outputs.is_idle != self.inside.is_empty() || outputs.is_idle && owed > 0) && !self.flushes {
+        let has_searches = self.searches.as_ref().is_some_and(|searches| !searches.is_idle());
+        if (outputs.is_idle != (self.inside.is_empty() && !has_searches) || outputs.is_idle && owed > 0)
+            && !self.flushes
+        {
             let (idle, inside) = (outputs.is_idle, self.inside.len());
             return Err(wrong(format!(
                 "cycle {now}: idle is {idle}, with {inside} rays inside and {owed} answers owed"
@@ -247,7 +255,11 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
             Response { tag: *tag, is_error: is_error || *is_missing, beat: &beat }
         });
         let flush = std::mem::take(&mut self.asks_flush);
-        let inputs = UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response };
+        let search = match (&mut self.searches, &outputs.search) {
+            (Some(searches), Some(outputs)) => searches.cycle(outputs)?,
+            _ => SearchInputs::default(),
+        };
+        let inputs = UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response, search };
         engines.iter_mut().for_each(|engine| engine.cycle(&inputs));
         let mut counts = engines.iter().filter_map(|engine| engine.counts());
         if let Some(first) = counts.next()

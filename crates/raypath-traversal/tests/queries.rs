@@ -301,7 +301,15 @@ fn a_candidate_takes_as_many_cycles_as_documented() {
         }
         let ray = (cycle == 0).then(|| (0, along_z(root)));
         let (candidate_ready, request_ready, hit_ready) = (true, true, true);
-        unit.cycle(&UnitInputs { flush: false, ray, hit_ready, candidate_ready, verdict, request_ready, response });
+        unit.cycle(&UnitInputs {
+            ray,
+            hit_ready,
+            candidate_ready,
+            verdict,
+            request_ready,
+            response,
+            ..UnitInputs::default()
+        });
         // A verdict in the cycle after the candidate.
         verdict = candidate.map(|asked| (asked.tag, Verdict::ACCEPT));
         block = request.map(|request| request.tag);

@@ -1,148 +1,16 @@
-//! The hardware of searches against their functional model, with random memories and datapaths that stall.
+//! The hardware of searches against their functional model, beside rays, with memories and users that stall.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_hdl::Simulator;
-use raypath_ops::{Angular, AngularState, Binary32, Euclidean, EuclideanState, Operation, Rounding, from_words};
+use raypath_ops::Rules;
 use raypath_rtl::Config;
 use raypath_tools::Sources;
+use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::search::{
-    Elements, Place, SearchImage, SearchJob, SearchMetric, SearchParameters, SearchStatus, VectorLayout, search,
+    Elements, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchParameters, Searches, VectorLayout, search,
 };
-use raypath_traversal::{Memory, SearchPorts, UnitNetlist, UnitParameters, search_engine};
-use std::collections::{HashMap, VecDeque};
-
-const LANES: usize = 16;
-
-/// What a bench does besides the jobs.
-#[derive(Clone, Copy)]
-struct Traffic {
-    seed: u64,
-    latency: u64,
-    /// One in so many cycles, a channel is not ready; 0: never.
-    stalls: u32,
-    memory_width: u32,
-}
-
-/// A result: status, found, index and the distance's bits.
-type Found = (u64, u64, u64, u32);
-
-/// Runs jobs through the hardware. Returns the results by the number of the job, and the cycles.
-fn run(
-    image: &SearchImage,
-    jobs: &[u32],
-    parameters: SearchParameters,
-    Traffic { seed, latency, stalls, memory_width }: Traffic,
-) -> (HashMap<u64, Vec<Found>>, u64) {
-    let ports = SearchPorts { memory_width, address_width: 40, id_width: 16, divider_latency: 11 };
-    let module = search_engine(parameters, ports).expect("the engine");
-    let mut simulator = Simulator::new(&module).expect("a simulator");
-    simulator.restart_randomly(seed);
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let input = |simulator: &Simulator, name: &str| simulator.input(name).expect("an input");
-    let mut results: HashMap<u64, Vec<Found>> = HashMap::new();
-    let (mut next_job, mut done, mut cycles) = (0, 0, 0_u64);
-    let mut responses: Vec<(u64, u32, u64, u32)> = Vec::new();
-    let mut outcomes: VecDeque<(u64, [u32; 3])> = VecDeque::new();
-    let mut euclidean = EuclideanState::zero(Binary32);
-    let mut angular = AngularState::zero(Binary32);
-    let beats = 512 / memory_width;
-    while done < jobs.len() {
-        cycles += 1;
-        assert!(cycles < 2_000_000, "the engine does not end: {done} of {} jobs", jobs.len());
-        let mut ready = || u64::from(stalls == 0 || !random.random_range(0..stalls.max(1)).eq(&0));
-        let channels = ["search_valid_i", "result_ready_i", "vec_req_ready_i", "beat_ready_i"].map(|name| {
-            let value = ready();
-            let port = input(&simulator, name);
-            simulator.set(port, value);
-            value
-        });
-        let offers = channels[0] == 1 && next_job < jobs.len();
-        for (name, value) in [
-            ("search_valid_i", u64::from(offers)),
-            ("search_id_i", next_job as u64),
-            ("search_job_i", jobs.get(next_job).copied().unwrap_or(0).into()),
-            ("search_base_i", 0),
-        ] {
-            let port = input(&simulator, name);
-            simulator.set(port, value);
-        }
-        // A beat of any block that is due.
-        let due: Vec<usize> = (0..responses.len()).filter(|k| responses[*k].0 <= cycles).collect();
-        let chosen = due.first().map(|first| if stalls == 0 { *first } else { due[random.random_range(0..due.len())] });
-        let port = input(&simulator, "vec_rsp_valid_i");
-        simulator.set(port, u64::from(chosen.is_some()));
-        if let Some(chosen) = chosen {
-            let (_, tag, address, beat) = responses[chosen];
-            let block = image.block(address, 64);
-            let bytes = block.unwrap_or(&[0; 64]);
-            let part = &bytes[(beat * memory_width / 8) as usize..][..memory_width as usize / 8];
-            for (k, word) in part.as_chunks::<4>().0.iter().enumerate() {
-                let port = input(&simulator, &format!("vec_rsp_data_{k}_i"));
-                simulator.set(port, u32::from_le_bytes(*word).into());
-            }
-            for (name, value) in [("tag", u64::from(tag)), ("error", u64::from(block.is_err() && beat == 0))] {
-                let port = input(&simulator, &format!("vec_rsp_{name}_i"));
-                simulator.set(port, value);
-            }
-            if beat + 1 == beats { _ = responses.remove(chosen) } else { responses[chosen].3 += 1 }
-        }
-        let outcome = outcomes.front().filter(|outcome| outcome.0 <= cycles).copied();
-        let port = input(&simulator, "outcome_valid_i");
-        simulator.set(port, outcome.is_some().into());
-        if let Some((_, sums)) = outcome {
-            outcomes.pop_front();
-            for (name, value) in ["squares", "dot", "norm"].into_iter().zip(sums.map(u64::from)) {
-                let port = input(&simulator, &format!("outcome_{name}_i"));
-                simulator.set(port, value);
-            }
-        }
-        simulator.settle();
-        let get = |name: &str| simulator.get(simulator.output(name).expect("an output"));
-        if offers && get("search_ready_o") == 1 {
-            next_job += 1;
-        }
-        if get("result_valid_o") == 1 && channels[1] == 1 {
-            let rows = results.entry(get("result_id_o")).or_default();
-            if get("result_found_o") == 1 {
-                assert_eq!(get("result_rank_o"), rows.len() as u64);
-            }
-            let is_last = get("result_last_o") == 1;
-            let status = if is_last { get("result_status_o") } else { 0 };
-            rows.push((status, get("result_found_o"), get("result_index_o"), get("result_distance_o") as u32));
-            done += usize::from(is_last);
-        }
-        if get("vec_req_valid_o") == 1 && channels[2] == 1 {
-            let wait = if stalls == 0 { latency } else { random.random_range(1..=latency) };
-            responses.push((cycles + wait, get("vec_req_tag_o") as u32, get("vec_req_addr_o"), 0));
-        }
-        if get("beat_valid_o") == 1 && channels[3] == 1 {
-            let (code, is_last) = (get("beat_is_angular_o"), get("beat_is_last_o"));
-            let beat = |lanes: usize| {
-                let lane = |stem: &'static str| (0..lanes).map(move |k| format!("beat_{stem}_{k}_o"));
-                let mask: u64 = lane("mask").enumerate().map(|(k, name)| get(&name) << k).sum();
-                lane("a").chain(lane("b")).map(|name| get(&name)).chain([mask, is_last]).collect::<Vec<u64>>()
-            };
-            let sums = if code == 0 {
-                let operation = Euclidean::<LANES> { rounding: Rounding::Unit };
-                let (out, next) = operation.run(Binary32, from_words(Binary32, &beat(LANES)), euclidean);
-                euclidean = next;
-                [f32::from(out.euclidean_accumulator).to_bits(), random.random(), random.random()]
-            } else {
-                let operation = Angular::<{ LANES / 2 }> { rounding: Rounding::Unit };
-                let (out, next) = operation.run(Binary32, from_words(Binary32, &beat(LANES / 2)), angular);
-                angular = next;
-                let sums = [out.angular_dot_product, out.angular_norm].map(|sum| f32::from(sum).to_bits());
-                [random.random(), sums[0], sums[1]]
-            };
-            if is_last == 1 {
-                outcomes.push_back((cycles + 12, sums));
-            }
-        }
-        simulator.cycle();
-    }
-    (results, cycles)
-}
+use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, random_ray};
+use raypath_traversal::{NetlistEngine, StepParameters, Unit, UnitNetlist, UnitParameters};
 
 fn jobs_of(seed: u64, image: &mut SearchImage) -> Vec<u32> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -202,41 +70,58 @@ fn jobs_of(seed: u64, image: &mut SearchImage) -> Vec<u32> {
 }
 
 #[test]
-fn the_hardware_returns_what_the_model_returns() {
-    let parameters = SearchParameters {
+fn the_hardware_returns_what_the_model_returns_beside_rays() {
+    let search_parameters = SearchParameters {
         contexts: 4,
         neighbours: 16,
         candidates: 64,
         dimensions: 128,
         blocks: 32,
         remembered: 64,
-        turns: 1,
+        turns: 2,
     };
-    for (seed, memory_width, stalls) in [(1, 512, 0), (2, 512, 3), (3, 128, 4), (4, 256, 2)] {
+    for (seed, memory_width, stalls) in [(1, 512, 0), (2, 512, 80), (3, 128, 60), (4, 256, 120)] {
         let mut image = SearchImage::new();
         let jobs = jobs_of(seed, &mut image);
-        let (results, _) = run(&image, &jobs, parameters, Traffic { seed, latency: 60, stalls, memory_width });
-        for (number, job) in jobs.iter().enumerate() {
-            let reply = search(&image, 0, *job, &parameters);
-            let status = match reply.status {
-                SearchStatus::Done => 0,
-                SearchStatus::Refused => 1,
-                SearchStatus::Memory => 2,
-            };
-            let found = &results[&(number as u64)];
-            let last = found.last().expect("a result");
-            assert_eq!(last.0, status, "job {number} of seed {seed}");
-            let neighbours: Vec<(u64, u32)> =
-                found.iter().filter(|row| row.1 == 1).map(|row| (row.2, canonical(f32::from_bits(row.3)))).collect();
-            let expected: Vec<(u64, u32)> =
-                reply.neighbours.iter().map(|near| (near.index.into(), canonical(near.distance))).collect();
-            assert_eq!(neighbours, expected, "job {number} of seed {seed}");
+        let searches = Searches(Some(search_parameters));
+        let parameters = UnitParameters { contexts: 8, memory_width, search: searches, ..UnitParameters::default() };
+        let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+        let mut engine = NetlistEngine::new(&unit).expect("an engine");
+        engine.restart_randomly(seed);
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let (scene, root) = BlockScene::random_of(NodeKind::Wide4, 60, &mut random);
+        let rays: Vec<_> = (0..100).map(|_| random_ray(root, &mut random)).collect();
+        let behaviour = Behaviour { latency: (20, 60), stalls: [stalls; 4], errors: 0 };
+        let mut environment = Environment::new(&scene.0, parameters, rays.clone(), behaviour, seed);
+        let behaviour = SearchBehaviour { latency: (1, 60), stalls, memory_width };
+        environment.searches = Some(SearchTraffic::new(&image, jobs.clone(), behaviour, seed));
+        for cycle in 0.. {
+            let searches = environment.searches.as_ref().expect("searches");
+            if environment.is_done() && searches.is_done() {
+                break;
+            }
+            assert!(cycle < 1_000_000, "{} of {} jobs have ended", searches.replies.len(), jobs.len());
+            environment.cycle(&mut [&mut engine]).expect("the protocol");
         }
+        let searches = environment.searches.expect("searches");
+        for (number, job) in jobs.iter().enumerate() {
+            let expected = search(&image, 0, *job, &search_parameters);
+            let (status, neighbours) = &searches.replies[&(number as u64)];
+            assert_eq!(*status, expected.status, "job {number} of seed {seed}");
+            assert!(
+                neighbours.iter().map(bits).eq(expected.neighbours.iter().map(bits)),
+                "job {number} of seed {seed}"
+            );
+        }
+        let mut functional = Unit::new(Rules::Paper, StepParameters::default());
+        let replies = rays.iter().zip(environment.replies.values());
+        assert!(replies.into_iter().all(|(ray, reply)| functional.trace(&scene.0[..], ray) == *reply));
     }
 }
 
-fn canonical(x: f32) -> u32 {
-    if x.is_nan() { 0x7fc0_0000 } else { x.to_bits() }
+/// A neighbour in words; those of NaN are equal.
+fn bits(Neighbour { index, distance }: &Neighbour) -> (u32, u32) {
+    (*index, if distance.is_nan() { f32::NAN.to_bits() } else { distance.to_bits() })
 }
 
 #[test]

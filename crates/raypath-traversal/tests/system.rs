@@ -59,6 +59,7 @@ fn every_cycle(
             verdict,
             request_ready: ready,
             response,
+            ..UnitInputs::default()
         });
         decided = candidate.map(|asked| (asked.tag, Verdict::without_shaders(&asked.candidate)));
         if ray_ready {

@@ -144,6 +144,7 @@ impl UnitModel {
             verdict,
             request_ready,
             response,
+            search: unit::SearchInputs::default(),
         });
         if let Some(awaited) = response.and_then(|response| self.awaited.get_mut(response.tag as usize)) {
             *awaited -= 1;

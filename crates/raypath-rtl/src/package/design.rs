@@ -33,8 +33,8 @@ pub fn design(datapath: &DatapathNetlist, config: Config, description: &str, per
 pub struct Wrapped<'a> {
     /// The top module of the design.
     pub top: &'a Arc<Module>,
-    /// The wrapper, which instantiates the top module.
-    pub wrapper: &'a Arc<Module>,
+    /// The wrapper, which instantiates the top module, if there is one besides that with structures.
+    pub wrapper: Option<&'a Arc<Module>>,
     /// The name, the comment and the text of modules that instantiate those of the wrapper, the top module last.
     pub beyond: &'a [[String; 3]],
     /// The text of the assertions about its modules.
@@ -59,7 +59,9 @@ pub struct Wrapped<'a> {
 /// A design that cannot be printed: different modules of one name.
 pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
     let Wrapped { top, wrapper: axi, beyond, properties, types, purpose, description, period_ns } = design;
-    let (banner, name, wrapper_name) = (&banner(description), top.name(), axi.name());
+    let (banner, name) = (&banner(description), top.name());
+    let own = format!("{name}_wrapper");
+    let (wrapper_name, axi) = axi.map_or((own.as_str(), top), |axi| (axi.name(), axi));
     let Printed { names, all, .. } = Printed::of(top, banner)?;
     // Besides those of the top module.
     let Printed { mut files, names: of_wrapper, .. } = Printed::of(axi, banner)?;
@@ -73,7 +75,9 @@ pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
     let structured = paths(&with_structures);
     files.extend(with_structures);
     let of_axi = [&names[..], &wrapper].concat();
-    files.push((format!("{wrapper_name}.f").into(), list(&of_axi)));
+    if wrapper_name != own {
+        files.push((format!("{wrapper_name}.f").into(), list(&of_axi)));
+    }
     files.push((format!("{name}_wrapper.f").into(), list(&[&names[..], &structured].concat())));
     let mut further = Vec::new();
     for [module, doc, text] in beyond {

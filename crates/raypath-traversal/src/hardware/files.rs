@@ -16,16 +16,20 @@ impl UnitNetlist {
 
     /// All files of the unit, each with its path in the output folder ([`package::wrapped`]). The wrappers are
     /// `raypath_unit_axi`, whose constraints are for a clock of `period_ns`, `raypath_unit_wrapper`, and
-    /// `raypath_device`.
+    /// `raypath_device`. A unit with searches has `raypath_unit_wrapper` alone.
     ///
     /// # Errors
     /// A defect of the netlist.
     pub fn files(&self, period_ns: f64) -> Result<Vec<(PathBuf, String)>, UnitError> {
         let top = &self.emitted()?;
+        // The memory ports of the others are those of rays.
+        let has_searches = self.parameters.search.0.is_some();
+        let axi = if has_searches { None } else { Some(self.axi_of(top)?) };
+        let beyond = if has_searches { Vec::new() } else { self.device()? };
         Ok(package::wrapped(Wrapped {
             top,
-            wrapper: &self.axi_of(top)?,
-            beyond: &self.device()?,
+            wrapper: axi.as_ref(),
+            beyond: &beyond,
             properties: &self.properties(),
             types: &[("cand", "candidate")],
             purpose: PURPOSE,

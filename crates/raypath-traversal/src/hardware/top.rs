@@ -615,8 +615,9 @@ impl<'m> Top<'m> {
     ) {
         let (m, StepParameters { features, node, .. }) = (self.m, self.parameters.step);
         let (flushes, has_hit) = (ports.flushes.wire(), hits.port("valid"));
-        let idle = (rays.port("is_idle") & !has_hit).named("idle");
-        let is_idle = searches.map_or(idle, |searches| idle & searches.engine.port("is_idle"));
+        let idle = rays.port("is_idle") & !has_hit;
+        let idle = idle.named(if searches.is_some() { "rays_are_idle" } else { "idle" });
+        let is_idle = searches.map_or(idle, |searches| (idle & searches.engine.port("is_idle")).named("idle"));
         ports.flushes.next(ports.flush | (flushes & !idle));
         m.output("idle_o", is_idle);
         m.output("busy_o", !is_idle);
