@@ -9,6 +9,7 @@
 mod beats;
 mod engine;
 mod fetch;
+mod filter;
 mod list;
 mod ranks;
 mod results;

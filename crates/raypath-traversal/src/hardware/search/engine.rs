@@ -5,6 +5,7 @@ use super::super::connect::{Inputs, named, prefixed};
 use super::super::queue::bits;
 use super::beats::{LANES, beats};
 use super::fetch::fetch;
+use super::filter::filter;
 use super::list::list;
 use super::ranks::ranks;
 use super::results::results;
@@ -109,17 +110,30 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
     block_context.drive(beats.port("context"));
     list_valid.drive(beats.port("list_valid"));
     list_half.drive(beats.port("index").bit(0));
+    let [limits, filter_takes] = ["limits", "filter_takes"].map(|name| forward(name, 1));
+    let (limit_context, limit) = (forward("limit_context", width), forward("limit", 64));
     let ranks = Inputs::default()
         .port("sent", beats.port("sent"))
         .ports(["kind", "context", "index", "code"].map(|name| named(name, beats.port(name))))
         .port("failed", beats.port("has_failed"))
         .port("valid", outcome_valid)
         .ports(sums)
-        .port("taken", list_takes.wire())
+        .port("taken", filter_takes.wire())
         .place(m, "u_ranks", &ranks(parameters, divider_latency)?);
     can_send.drive(ranks.port("can_send"));
+    let filter = Inputs::default()
+        .ports(
+            ["valid", "kind", "context", "index", "key", "is_rank", "failed"].map(|name| named(name, ranks.port(name))),
+        )
+        .port("limits", limits.wire())
+        .port("limit_context", limit_context.wire())
+        .port("limit", limit.wire())
+        .port("next_taken", list_takes.wire())
+        .place(m, "u_filter", &filter(parameters)?);
+    filter_takes.drive(filter.port("taken"));
 
     m.section("The best candidates, and results");
+    let next = filter.under("next");
     let list = Inputs::default()
         .port("clear_valid", beats.port("job_valid"))
         .port("clear_context", beats.port("context"))
@@ -127,11 +141,12 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
             ["bound", "candidate", "neighbour", "refused"]
                 .map(|name| named(&format!("clear_{name}"), turns.port(name))),
         )
-        .ports(
-            ["valid", "kind", "context", "index", "key", "is_rank", "failed"].map(|name| named(name, ranks.port(name))),
-        )
+        .ports(next)
         .port("found_ready", found_ready.wire())
         .place(m, "u_list", &list(parameters)?);
+    limits.drive(list.port("limits"));
+    limit_context.drive(list.port("limit_context"));
+    limit.drive(list.port("limit"));
     job_ready.drive(list.port("clear_ready"));
     loads.drive(beats.port("job_valid") & list.port("clear_ready"));
     list_takes.drive(list.port("taken"));

@@ -3,7 +3,8 @@
 use super::super::connect::{Access, hold, keep, named, select};
 use super::super::queue::bits;
 use super::super::scheduler::lowest;
-use super::wiring::{BLOCK_BITS, BURST_BITS, Burst, context_bits, number_of, when};
+use super::filter::fields;
+use super::wiring::{BLOCK_BITS, Burst, context_bits, number_of, when};
 use crate::search::SearchParameters;
 use raypath_hdl::{Builder, Error, Module, Register, Wire};
 use std::sync::Arc;
@@ -19,9 +20,10 @@ const NOTHING: u64 = 0xffff_ffff;
 ///
 /// A search begins where `clear_valid_i` and `clear_ready_o` are 1, for `clear_context_i`: with the key of its bound, the
 /// numbers of the last candidate and of the last neighbour, and whether it is refused. Vectors and markers come where
-/// `valid_i` is 1, and are taken where `taken_o` is 1. A vector is dropped if its key is behind the bound, if it is in the
-/// list, or if it is behind a full list. Where `expands_o` is 1, the neighbours of `index_o` (its lower bits, which select a block) come next in the search of
-/// `context_o`: it is the best candidate for which that was not said. If there is none, and at the last marker, the
+/// `valid_i` is 1, and are taken where `taken_o` is 1. A vector that is in the list, or behind a full list, changes nothing.
+/// What is behind `limit_o` need not come; it is written where `limits_o` is 1. Where `expands_o` is 1, the neighbours of
+/// `index_o` (its lower bits, which select a block) come next in the search of `context_o`: it is the best candidate for
+/// which that was not said. If there is none, and at the last marker, the
 /// neighbours leave, the best first, where `found_valid_o` and `found_ready_i` are 1, and after them the end, with its
 /// status: 0, 1 for a job that is refused, 2 for an error of the memory. The last two have no neighbours.
 pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
@@ -36,18 +38,17 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let settings = [("candidate", place_bits), ("neighbour", place_bits), ("refused", 1)]
         .map(|(name, width)| named(name, m.input(&format!("clear_{name}_i"), width)));
     let valid = m.input("valid_i", 1);
-    let [kind, next_context, index, key, is_rank, has_failed] =
-        [("kind", BURST_BITS), ("context", width), ("index", 32), ("key", 32), ("is_rank", 1), ("failed", 1)]
-            .map(|(name, width)| m.input(&format!("{name}_i"), width));
+    let [kind, next_context, index, key, has_failed] =
+        fields(parameters).map(|(name, width)| m.input(&format!("{name}_i"), width));
     let found_ready = m.input("found_ready_i", 1);
 
     m.section("What is done: a list is cleared, a candidate inserted, one to expand sought, or the neighbours leave");
     let [clears, inserts, seeks, drains] =
         ["clears_q", "inserts_q", "seeks_q", "drains_q"].map(|name| m.register(name, 1).reset_to(0));
-    let [drops, finds_none, drained] = ["drops", "finds_none", "drained"].map(|name| m.forward(name, 1));
-    drops.wire().comment("a candidate that is dropped writes no word that the next could read");
+    let [finds_none, drained, overlaps] = ["finds_none", "drained", "overlaps"].map(|name| m.forward(name, 1));
+    overlaps.wire().comment("the last word of an insertion is written while the first of the next is read");
     let idle = !(clears.wire() | inserts.wire() | seeks.wire() | drains.wire());
-    let free = (idle | drops.wire()).named("free");
+    let free = (idle | overlaps.wire()).named("free");
     let clear = (clear_valid & free).named("clear");
     let take = (valid & free & !clear_valid).named("take");
     let begins = (clear | take).named("begins");
@@ -58,19 +59,15 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let goes = m.forward("goes_on", 1);
     let next = |register: Register<'_>, enters: Wire<'_>| register.next(enters | (register.wire() & goes.wire()));
     next(clears, clear);
-    next(inserts, take & Burst::Vector.is(kind) & is_rank);
+    next(inserts, take & Burst::Vector.is(kind));
     next(seeks, take & Burst::Expand.is(kind) & !has_failed);
     let ends = Burst::Drain.is(kind) | (Burst::Expand.is(kind) & has_failed);
     drains.next((take & ends) | finds_none.wire() | (drains.wire() & !drained.wire()));
 
-    m.section("The settings of the search, and what is better than all that is too bad");
+    m.section("The settings of the search");
     let at: Access<'_> = (begins, next_context);
     let kept = keep("u_settings", contexts, (clear, clear_context), settings.to_vec(), at);
     let [last_candidate, last_neighbour, refused] = [0, 1, 2].map(|k| kept[k].1);
-    let (limits, last_order) = (m.forward("limits", 1), m.forward("last_order", 64));
-    let limit = clear.mux(m.concat(&[bound, m.constant(32, NOTHING)]), last_order.wire());
-    let write = (limits.wire() | clear, clear.mux(clear_context, context));
-    let limit = keep("u_limits", contexts, write, vec![named("limit", limit)], at)[0].1;
 
     m.section("The word that was read, and the next");
     let word = m.register("word_q", word_bits);
@@ -79,9 +76,11 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let next_word = restarts.mux(m.constant(word_bits, 0), word.wire() + m.constant(word_bits, 1)).named("next_word");
     word.next_when(restarts | advances, next_word);
     let writes = m.forward("writes", 1);
-    let fields = [("key", 32), ("index", 32), ("expanded", 1)];
+    let columns = [("key", 32), ("index", 32), ("expanded", 1)];
     let written: Vec<_> = (0..PER_WORD)
-        .flat_map(|k| fields.map(|(name, width)| (format!("{name}_{k}"), m.forward(&format!("new_{name}_{k}"), width))))
+        .flat_map(|k| {
+            columns.map(|(name, width)| (format!("{name}_{k}"), m.forward(&format!("new_{name}_{k}"), width)))
+        })
         .collect();
     let stored = written.iter().map(|(name, forward)| named(name, forward.wire())).collect();
     let depth = contexts.next_power_of_two() << word_bits;
@@ -96,7 +95,7 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     m.section("A candidate moves those behind it by one place, and the last of the word goes on to the next");
     let is_own = m.register("is_own_q", 1);
     is_own.next(take);
-    let moved = fields.map(|(name, width)| m.register(&format!("moved_{name}_q"), width));
+    let moved = columns.map(|(name, width)| m.register(&format!("moved_{name}_q"), width));
     let own = [key, index, m.constant(1, 0)];
     let carried = [0, 1, 2].map(|k| is_own.wire().mux(own[k], moved[k].wire()));
     let order = m.concat(&carried[..2]).named("carried");
@@ -105,8 +104,7 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
         orders.iter().enumerate().map(|(k, other)| order.less(*other).named(&format!("is_before_{k}"))).collect();
     let is_there =
         m.concat(&orders.iter().map(|other| other.equals(order)).collect::<Vec<_>>()).any().named("is_there");
-    drops.drive(inserts.wire() & is_own.wire() & limit.less(order));
-    let places = (inserts.wire() & !drops.wire() & !is_there).named("places");
+    let places = (inserts.wire() & !is_there).named("places");
     let inserted = |k: usize, field: usize| {
         let here = is_before[k].mux(carried[field], entries[k][field]);
         if k == 0 { here } else { is_before[k - 1].mux(entries[k - 1][field], here) }
@@ -115,8 +113,9 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let behind = [0, 1, 2].map(|field| is_before[last].mux(entries[last][field], carried[field]));
     moved.iter().zip(behind).for_each(|(register, wire)| register.next(wire));
     let inserts_on = (places & !behind[0].is(NOTHING) & !is_last).named("inserts_on");
-    limits.drive(places & is_last & !inserted(last, 0).is(NOTHING));
-    last_order.drive(m.concat(&[inserted(last, 0), inserted(last, 1)]));
+    overlaps.drive(inserts.wire() & !inserts_on & (is_there | word.wire().any()));
+    let is_full = (places & is_last & !inserted(last, 0).is(NOTHING)).named("is_full");
+    let last_order = m.concat(&[inserted(last, 0), inserted(last, 1)]);
 
     m.section("The best candidate whose neighbours were not asked for");
     let mut can_expand = Vec::new();
@@ -165,6 +164,9 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
         forward.drive(cleared);
     }
 
+    m.output("limits_o", clear | is_full);
+    m.output("limit_context_o", clear.mux(clear_context, context));
+    m.output("limit_o", clear.mux(m.concat(&[bound, m.constant(32, NOTHING)]), last_order));
     m.output("clear_ready_o", free);
     m.output("taken_o", take);
     m.output("expands_o", expands);
