@@ -14,6 +14,8 @@ pub struct SearchBehaviour {
     pub latency: (u64, u64),
     /// The share of cycles in which a channel is not ready, and in which no beat comes, in 256ths.
     pub stalls: u32,
+    /// The share of beats with an error, in 65,536ths.
+    pub errors: u32,
     /// Bits of a beat.
     pub memory_width: u32,
 }
@@ -127,7 +129,7 @@ impl<'m> SearchTraffic<'m> {
         self.beat.extend(
             found.as_ref().map_or(&[0xff; SEARCH_BLOCK as usize][..bytes], |block| &block[*beat * bytes..][..bytes]),
         );
-        let is_error = found.is_err();
+        let is_error = found.is_err() || self.random.random_range(0..65_536) < self.behaviour.errors;
         *beat += 1;
         if *beat * bytes == SEARCH_BLOCK as usize {
             self.pending.swap_remove(place);

@@ -19,7 +19,7 @@ pub const NORM: u64 = 3;
 /// of a block go on to all readers at `word_…_o`, with the number of its search, `context_o`, and its index `index_o`:
 /// where `job_valid_o` and `job_ready_i` are 1, a job, of which `job_failed_o` says that it could not be read; where
 /// `list_valid_o` is 1, a list. Queries are kept here. `failed_o` has a bit for each search of which a block failed: no
-/// beats of its vectors are sent.
+/// more of its vectors are sent.
 ///
 /// A beat is offered where `beat_valid_o` is 1, until `beat_ready_i` is 1: its lanes, `a_…_o` of the query and `b_…_o` of
 /// the vector, `mask_…_o`, whether it `is_last_o` of its vector, and `is_angular_o`. With the last beat, and for
@@ -91,6 +91,10 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let query: Vec<Wire<'_>> = keep("u_query", depth, write, columns, read).into_iter().map(|(_, wire)| wire).collect();
 
     m.section("The beats of a block");
+    let skips_q = m.register("skips_q", 1);
+    let skips = (is_vector & block.wire().is(0).mux(has_failed, skips_q.wire())).named("skips");
+    skips.comment("a whole vector, because the datapath adds until the last beat");
+    skips_q.next_when(is_vector, skips);
     let first = m.register("is_first_q", 1);
     let (left_q, beat_q) = (m.register("left_q", LEFT_BITS), m.register("beat_q", 3));
     let [is_word, is_half] = word_or_half(elements);
@@ -100,12 +104,11 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let lanes = is_angular.mux(m.constant(LEFT_BITS, LANES as u64 / 2), m.constant(LEFT_BITS, LANES as u64));
     let is_end = (!lanes.less(left)).named("is_end");
     let is_last = (is_end & last).named("is_last");
-    let offer = (is_vector & !has_failed & (!is_last | can_send)).named("offer");
+    let offer = (is_vector & !skips & (!is_last | can_send)).named("offer");
     let leaves = (offer & beat_ready).named("leaves");
     first.next(take | (first.wire() & !leaves));
     left_q.next_when(leaves, left - lanes);
     beat_q.next_when(leaves, beat + m.constant(3, 1));
-    let skips = (is_vector & has_failed).named("skips");
     let sends = ((leaves & is_last) | (is_marker & can_send)).named("sends");
     ends.drive((is_job & job_ready) | is_query | is_list | skips | (leaves & is_end) | (is_marker & can_send));
 
