@@ -6,6 +6,7 @@
 pub(crate) mod ahead;
 pub(crate) mod contexts;
 mod parts;
+mod searches;
 pub(crate) mod timing;
 
 use crate::engine::{UnitEngine, UnitInputs, UnitOutputs};
@@ -13,6 +14,7 @@ use crate::hardware::{UnitNetlist, UnitParameters};
 use crate::walk::{Asked, AskedKind};
 use contexts::{Contexts, PortContexts};
 use raypath_model::{Shape, state};
+use searches::Searches;
 pub use timing::UnitCounts;
 use timing::{Edge, Timing};
 
@@ -101,21 +103,23 @@ impl UnitEngine for UnitModel {
         let Self { timing, contexts } = self;
         let (request, candidate) = (timing.request(contexts), timing.candidate());
         let candidate = candidate.and_then(|tag| contexts.candidate(tag));
+        let search = timing.searches.as_ref().map(Searches::outputs);
         let (is_idle, ray_ready, hit) = (timing.is_idle(), timing.ray_ready(), timing.hit());
-        UnitOutputs { is_idle, ray_ready, hit, candidate, request, response_ready: true, search: None }
+        UnitOutputs { is_idle, ray_ready, hit, candidate, request, response_ready: true, search }
     }
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         // The steps of this cycle read the blocks before a beat of this cycle is written.
         let Self { timing, contexts } = self;
-        let UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response, .. } = inputs;
+        let UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response, search } = inputs;
         let arrived = response.as_ref().and_then(|response| contexts.arrive(response));
         let (hit_ready, request_ready) = (*hit_ready, *request_ready);
         let ray = ray.as_ref().filter(|_| timing.ray_ready());
         let decided = verdict.and_then(|(tag, verdict)| contexts.decide(tag, verdict));
         let candidate_ready = *candidate_ready;
         let flush = *flush;
-        timing.cycle(contexts, &Edge { flush, ray, hit_ready, candidate_ready, decided, request_ready, arrived });
+        timing
+            .cycle(contexts, &Edge { flush, ray, hit_ready, candidate_ready, decided, request_ready, arrived, search });
     }
 
     fn reset(&mut self) {

@@ -12,10 +12,12 @@ mod parameters;
 mod rank;
 
 pub use distance::{Elements, VectorLayout};
+pub(crate) use distance::{Shape, sums};
 pub use image::{ImageError, SearchImage};
 pub use job::{JOB_BYTES, JobError, Place, SearchJob, SearchMetric};
 pub use model::{Neighbour, SearchCounts, SearchReply, SearchStatus, search};
 pub use parameters::{ParseSearchesError, SearchParameters, Searches};
+pub(crate) use rank::{distance_of, key_of, rank_of, rank_of_key};
 
 /// Bytes of a block, which the unit reads at once.
 pub const SEARCH_BLOCK: u32 = 64;

@@ -10,6 +10,7 @@ use crate::cycle::UnitCounts;
 use crate::cycle::ahead::AheadContexts;
 use crate::cycle::timing::{Edge, Timing};
 use crate::engine::BlockRequest;
+use crate::engine::SearchInputs;
 use crate::hardware::UnitParameters;
 use crate::model::{Memory, RayRequest, Reply};
 pub use arbiter::Arbiter;
@@ -338,6 +339,7 @@ impl<'s, M: Memory + ?Sized> Cluster<'s, M> {
                     decided: take(&mut unit.decided),
                     request_ready,
                     arrived,
+                    search: &SearchInputs::default(),
                 },
             );
             unit.decided = candidate;

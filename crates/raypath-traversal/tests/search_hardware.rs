@@ -11,7 +11,7 @@ use raypath_traversal::search::{
     VectorLayout, search,
 };
 use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, random_ray};
-use raypath_traversal::{NetlistEngine, StepParameters, Unit, UnitNetlist, UnitParameters};
+use raypath_traversal::{NetlistEngine, StepParameters, Unit, UnitModel, UnitNetlist, UnitParameters};
 
 fn jobs_of(seed: u64, image: &mut SearchImage) -> Vec<u32> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -90,6 +90,7 @@ fn the_hardware_returns_what_the_model_returns_beside_rays() {
         let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
         let mut engine = NetlistEngine::new(&unit).expect("an engine");
         engine.restart_randomly(seed);
+        let mut model = UnitModel::of(&unit);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let (scene, root) = BlockScene::random_of(NodeKind::Wide4, 60, &mut random);
         let rays: Vec<_> = (0..100).map(|_| random_ray(root, &mut random)).collect();
@@ -103,7 +104,8 @@ fn the_hardware_returns_what_the_model_returns_beside_rays() {
                 break;
             }
             assert!(cycle < 1_000_000, "{} of {} jobs have ended", searches.replies.len(), jobs.len());
-            environment.cycle(&mut [&mut engine]).expect("the protocol");
+            let checked = environment.cycle(&mut [&mut engine, &mut model]);
+            checked.unwrap_or_else(|problem| panic!("seed {seed}: {problem}"));
         }
         let searches = environment.searches.expect("searches");
         for (number, job) in jobs.iter().enumerate() {

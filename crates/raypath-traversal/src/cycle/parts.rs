@@ -99,8 +99,19 @@ state! {
 
 impl State for Kind {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        words
-            .one_of(self, &[Self::Node, Self::Triangle, Self::LastTriangle, Self::Origin, Self::Direction, Self::Half]);
+        words.one_of(
+            self,
+            &[
+                Self::Node,
+                Self::Triangle,
+                Self::LastTriangle,
+                Self::Origin,
+                Self::Direction,
+                Self::Half,
+                Self::Beat,
+                Self::LastBeat,
+            ],
+        );
     }
 }
 
@@ -357,11 +368,14 @@ pub enum Kind {
     Origin,
     Direction,
     Half,
+    /// A beat of a vector, and its last.
+    Beat,
+    LastBeat,
 }
 
 impl Kind {
     /// The number of kinds.
-    pub const COUNT: usize = 6;
+    pub const COUNT: usize = 8;
 
     /// The opcode in the datapath.
     #[inline]
@@ -370,6 +384,8 @@ impl Kind {
             Self::Node | Self::Half => JobKind::Quadbox.opcode(),
             Self::Triangle | Self::LastTriangle => JobKind::Triangle.opcode(),
             Self::Origin | Self::Direction => TRANSFORM_OPCODE,
+            // An angular beat has another one, which only its offer tells.
+            Self::Beat | Self::LastBeat => JobKind::Euclidean.opcode(),
         }
     }
 
@@ -406,6 +422,8 @@ impl Kind {
         let taken = 1 << Self::Node as u32
             | 1 << Self::Half as u32
             | 1 << Self::Origin as u32
+            | 1 << Self::Beat as u32
+            | 1 << Self::LastBeat as u32
             | u32::from(takes_triangle) << Self::Triangle as u32
             | u32::from(takes_triangle) << Self::LastTriangle as u32
             | u32::from(takes_direction) << Self::Direction as u32;

@@ -17,9 +17,10 @@ use beats::Beats;
 use fetch::{Burst, Fetch};
 use list::{List, ListEdge};
 use ranks::{Filter, Ranks};
+use raypath_ops::JobKind;
 use results::Results;
 use std::collections::VecDeque;
-use turns::Turns;
+use turns::{Events, Turns, TurnsEdge};
 
 /// The searches of a unit.
 #[derive(Debug, Clone)]
@@ -34,6 +35,9 @@ pub struct Searches {
     /// Beats before the job of a ray that waits, of so many.
     before: u32,
     per_job: u32,
+    /// The bits of a job's number and of its base.
+    id_mask: u64,
+    base_mask: u32,
 }
 
 /// A beat that is offered to the datapath.
@@ -41,6 +45,12 @@ pub struct Searches {
 pub struct Beat {
     pub is_angular: bool,
     pub is_last: bool,
+}
+
+impl Beat {
+    pub fn opcode(self) -> u64 {
+        if self.is_angular { JobKind::Angular.opcode() } else { JobKind::Euclidean.opcode() }
+    }
 }
 
 /// A vector or a marker, with the key of its rank.
@@ -65,6 +75,8 @@ impl Searches {
             results: Results::new(parameters),
             before: 0,
             per_job: parameters.turns,
+            id_mask: u64::MAX >> (64 - ports.id_width),
+            base_mask: u32::MAX.checked_shr(64 - ports.address_width).unwrap_or(0),
         }
     }
 
@@ -93,49 +105,41 @@ impl Searches {
             self.before = if is_beat && is_ray_offered { self.before + 1 } else { 0 };
         }
         let leaves = is_beat && takes;
-        // Each part reads what the others had in registers.
-        let can_send = self.ranks.can_send();
+        // What each part had in registers.
         let has_failed = self.turns.running().is_some_and(|context| self.beats.has_failed(context));
-        let takes_ranked = self.ranks.first().filter(|_| self.filter.can_take());
-        let next = self.filter.next();
-        let arrived_job = self.beats.job();
+        let (can_send, ranked, kept) = (self.ranks.can_send(), self.ranks.first(), self.filter.next());
+        let (job, list) = (self.beats.job(), self.beats.list());
         let ListEdge { is_free, found, expands, limit } = self.list.edge(self.results.can_push());
-        let loads = arrived_job.filter(|_| is_free);
-        let taken = next.filter(|_| is_free && arrived_job.is_none());
-        let (sent, ended) = self.beats.ends(leaves, loads.is_some(), can_send);
-        let list_block = self.beats.list_block();
-        let take = self.fetch.has_head() && (self.beats.is_free(ended)) && !self.beats.keeps_query();
+        let load = job.filter(|_| is_free);
+        let kept = kept.filter(|_| is_free && job.is_none());
+        let ranked = ranked.filter(|_| self.filter.can_take());
+        let (sent, ended) = self.beats.ends(leaves, load.is_some(), can_send);
+        let take = self.fetch.has_head() && self.beats.is_free(ended) && !self.beats.keeps_query();
 
-        let release = self.results.edge(found, inputs.result_ready, &self.list);
-        let burst = self.turns.edge(&turns::Events {
-            enters: inputs.job,
-            release,
-            load: loads.map(|(context, words)| (context, *words)),
-            list: list_block.map(|(context, index, words)| (context, index, *words)),
-            expands,
-            has_failed,
-            burst_ready: self.fetch.is_ready(),
-        });
-        if let Some((context, words)) = loads {
-            let words = *words;
-            self.results.load(context, &words);
+        let release = self.results.edge(found, inputs.result_ready);
+        let enters = inputs.job.map(|(id, base, address)| (id & self.id_mask, base & self.base_mask, address));
+        let burst_ready = self.fetch.is_ready(inputs.request_ready);
+        let events = Events { enters, release, load, list, expands, has_failed, burst_ready };
+        let TurnsEdge { burst, entered } = self.turns.edge(&events);
+        if let (Some(context), Some((id, ..))) = (entered, enters) {
+            self.results.enter(context, id);
         }
-        if let Some((id, ..)) = inputs.job.filter(|_| burst.entered.is_some()) {
-            self.results.enter(burst.entered.unwrap_or_default(), id);
-        }
-        let norm = self.ranks.edge(sent, has_outcome, takes_ranked.is_some());
-        if let Some((context, norm)) = norm {
+        if let Some((context, norm)) = self.ranks.edge(sent, has_outcome, ranked.is_some()) {
             self.results.norm(context, norm);
         }
-        self.filter.edge(takes_ranked, taken.is_some(), limit);
-        if let Some((context, words)) = loads {
-            let (context, words) = (context, *words);
-            self.filter.limit(context, self.list.clear(context, &words));
+        self.filter.edge(ranked, kept.is_some());
+        if let Some((context, limit)) = limit {
+            self.filter.limit(context, limit);
         }
-        if let Some(item) = taken {
+        if let Some((context, words)) = load {
+            let is_refused = self.turns.is_refused(context);
+            self.filter.limit(context, self.list.clear(context, &words, is_refused));
+            self.results.load(context, &words);
+        }
+        if let Some(item) = kept {
             self.list.take(item);
         }
-        let head = self.fetch.edge(burst.burst, inputs.request_ready, inputs.response.as_ref(), take);
+        let head = self.fetch.edge(burst, inputs.request_ready, inputs.response.as_ref(), take);
         self.beats.edge(head, leaves, ended);
     }
 }

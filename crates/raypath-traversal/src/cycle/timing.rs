@@ -2,8 +2,9 @@
 
 use super::contexts::Contexts;
 use super::parts::{Job, Kind, Line, Queues, Ring, Scheduler, Weights};
+use super::searches::{Beat, Searches};
 use crate::blocks::NodeKind;
-use crate::engine::BlockRequest;
+use crate::engine::{BlockRequest, SearchInputs};
 use crate::hardware::{DECODER_LATENCY, UnitParameters};
 use crate::model::{RayRequest, Reply};
 use crate::set_up::QUOTIENTS;
@@ -33,6 +34,8 @@ pub struct Timing {
     following: u32,
     /// With compressed nodes: the jobs of blocks whose boxes are decoded.
     decoder: Option<Line<Job>>,
+    /// With searches.
+    pub searches: Option<Searches>,
     flow: Flow,
     /// The jobs in the datapath.
     jobs: Ring<Job, 512>,
@@ -119,6 +122,7 @@ pub struct Edge<'r> {
     pub request_ready: bool,
     /// The context whose block has arrived with the beat of this cycle.
     pub arrived: Option<u8>,
+    pub search: &'r SearchInputs<'r>,
 }
 
 /// A step of a context, by the source of its answer; none if the source is 0.
@@ -175,6 +179,7 @@ impl Timing {
             has_offer: false,
             following: 0,
             decoder: parameters.step.has_decoder().then(|| Line::new(DECODER_LATENCY)),
+            searches: parameters.search.0.map(|search| Searches::new(search, parameters.search_ports())),
             flow: Flow::new(shape),
             jobs: Ring::new(),
             operands: Job::default(),
@@ -219,8 +224,13 @@ impl Timing {
     }
 
     /// No ray is in the unit.
-    pub fn is_idle(&self) -> bool {
+    fn has_no_ray(&self) -> bool {
         self.queues.count(FREE) == self.fresh && self.hit.is_none()
+    }
+
+    /// Neither a ray nor a search is in the unit.
+    pub fn is_idle(&self) -> bool {
+        self.has_no_ray() && self.searches.as_ref().is_none_or(Searches::is_idle)
     }
 
     /// The context whose candidate is at the port.
@@ -241,7 +251,8 @@ impl Timing {
     #[inline(never)]
     pub fn is_still(&self) -> bool {
         let waiting = SOURCES | 1 << ARRIVALS | 1 << ENDED | 1 << CANDIDATES;
-        self.busy == 0
+        self.searches.as_ref().is_none_or(Searches::is_idle)
+            && self.busy == 0
             && self.set_up.is_empty()
             && self.jobs.is_empty()
             && !self.has_operands
@@ -265,12 +276,12 @@ impl Timing {
     pub fn cycle(&mut self, contexts: &mut impl Contexts, edge: &Edge<'_>) {
         // Each part reads what the parts after it had in registers, because it comes after them.
         let chosen = self.choose();
-        let flushes = edge.flush | (self.flushes & !self.is_idle());
+        let flushes = edge.flush | (self.flushes & !self.has_no_ray());
         let enters_instance = self.rays(contexts, edge.ray);
         self.hits(contexts, edge.hit_ready | self.flushes);
         self.candidates(edge);
         self.walk(contexts, chosen, edge.request_ready);
-        self.jobs(enters_instance);
+        self.jobs(enters_instance, edge.search);
         self.blocks(contexts, edge.arrived);
         self.queues.edge();
         self.flushes = flushes;
@@ -279,6 +290,7 @@ impl Timing {
 
     pub fn reset(&mut self) {
         (self.fresh, self.flushes) = (0, false);
+        self.searches = self.parameters.search.0.map(|search| Searches::new(search, self.parameters.search_ports()));
         (self.busy, self.yields) = (0, false);
         self.set_up.clear();
         self.queues.clear();
@@ -462,7 +474,7 @@ impl Timing {
 
     /// The edge of the datapath.
     #[inline]
-    fn jobs(&mut self, enters_instance: bool) {
+    fn jobs(&mut self, enters_instance: bool, search: &SearchInputs<'_>) {
         let takes_triangle = self.distances();
         let outcome = self.jobs.first();
         let outcome_leaves = self.flow.output_valid() & outcome.kind.is_taken(takes_triangle, enters_instance);
@@ -470,14 +482,24 @@ impl Timing {
             None => (self.offer, self.has_offer),
             Some(decoder) => (decoder.first(), decoder.has_last()),
         };
-        let leaves = has_ready & self.flow.input_ready(ready.kind.opcode());
-        self.flow.cycle(leaves.then_some(ready.kind.opcode()), outcome_leaves);
+        let beat = self.searches.as_ref().and_then(|searches| searches.next_beat(has_ready));
+        let opcode = beat.map_or(ready.kind.opcode(), Beat::opcode);
+        let takes = self.flow.input_ready(opcode);
+        let leaves = has_ready & takes & beat.is_none();
+        self.flow.cycle((takes & (has_ready | beat.is_some())).then_some(opcode), outcome_leaves);
+        if let Some(searches) = &mut self.searches {
+            searches.cycle(search, has_ready, takes, outcome_leaves & (outcome.kind == Kind::LastBeat));
+        }
         self.jobs.pop_if(outcome_leaves);
         self.queues.push_if(TESTED, outcome.context, outcome_leaves & (outcome.kind == Kind::Node));
         let divides = outcome_leaves & outcome.kind.is_triangle();
         self.operands = select_unpredictable(divides, outcome, self.operands);
         self.has_operands |= divides;
         self.jobs.push_if(ready, leaves);
+        if let Some(beat) = beat.filter(|_| takes) {
+            let kind = if beat.is_last { Kind::LastBeat } else { Kind::Beat };
+            self.jobs.push_if(Job { context: 0, kind }, true);
+        }
         self.job_stalls += u64::from(has_ready & !leaves);
         self.offered[ready.kind as usize] += u64::from(leaves);
         let issues = match &mut self.decoder {

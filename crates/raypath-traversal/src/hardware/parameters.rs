@@ -1,8 +1,9 @@
 //! The parameters of the unit's hardware.
 
+use super::search::SearchPorts;
 use crate::blocks::NodeKind;
 use crate::query::Front;
-use crate::search::Searches;
+use crate::search::{SEARCH_BLOCK, Searches};
 use crate::step::{StepParameters, UnitFeatures};
 use std::fmt;
 use thiserror::Error;
@@ -116,6 +117,12 @@ impl UnitParameters {
     /// The greatest base that a ray may bring.
     pub fn greatest_base(self) -> u32 {
         u32::MAX.checked_shr(CHILD_ADDRESS_BITS - self.base_bits()).unwrap_or(0)
+    }
+
+    /// What searches need of it.
+    pub(crate) fn search_ports(self) -> SearchPorts {
+        let Self { memory_width, address_width, id_width, divider_latency, .. } = self;
+        SearchPorts { memory_width: memory_width.min(8 * SEARCH_BLOCK), address_width, id_width, divider_latency }
     }
 
     /// Checks the range of each parameter, and what `quantised` nodes cannot be combined with.

@@ -13,14 +13,14 @@ use super::parameters::UnitParameters;
 use super::parametric::parametric;
 use super::queue::{bits, queue};
 use super::rays::rays;
-use super::search::{SearchPorts, search_engine};
+use super::search::search_engine;
 use super::walk::walk;
 use crate::blocks::{NodeKind, VERTEX_WORDS};
 use crate::engine::COUNTS;
 use crate::error::UnitError;
 use crate::instance::{TRANSFORM_OPCODE, Transform};
 use crate::netlist::wires;
-use crate::search::{SEARCH_BLOCK, SearchParameters};
+use crate::search::SearchParameters;
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
@@ -346,11 +346,9 @@ impl<'m> Top<'m> {
     }
 
     fn searches(&self, ports: &Ports<'m>) -> Result<Option<SearchParts<'m>>, UnitError> {
-        let UnitParameters { memory_width, address_width, id_width, divider_latency, search, .. } = self.parameters;
-        let Some(parameters) = search.0 else { return Ok(None) };
+        let Some(parameters) = self.parameters.search.0 else { return Ok(None) };
         self.m.section("Searches");
-        let memory_width = memory_width.min(8 * SEARCH_BLOCK);
-        let engine = search_engine(parameters, SearchPorts { memory_width, address_width, id_width, divider_latency })?;
+        let engine = search_engine(parameters, self.parameters.search_ports())?;
         let ready = self.m.forward("beat_ready", 1);
         let outcome = [("valid", 1), ("squares", 32), ("dot", 32), ("norm", 32)]
             .map(|(name, width)| (name, self.m.forward(&format!("outcome_{name}"), width)));

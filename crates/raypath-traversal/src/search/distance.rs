@@ -59,8 +59,13 @@ impl Elements {
         4 >> self.code()
     }
 
+    /// Their number in a block.
+    pub(crate) fn per_block(self) -> u32 {
+        SEARCH_BLOCK / self.bytes()
+    }
+
     /// The elements of a block.
-    pub(super) fn of_block(self, block: &[u8]) -> impl Iterator<Item = f32> {
+    pub(crate) fn of_block(self, block: &[u8]) -> impl Iterator<Item = f32> {
         block.chunks_exact(self.bytes() as usize).map(move |bytes| match (self, bytes) {
             (Self::Binary32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
             (Self::Binary16, &[a, b]) => half::f16::from_le_bytes([a, b]).to_f32(),
@@ -74,6 +79,29 @@ impl VectorLayout {
     /// Bytes of a vector, in whole blocks.
     pub fn bytes(self) -> u32 {
         (self.dimensions * self.elements.bytes()).next_multiple_of(SEARCH_BLOCK)
+    }
+}
+
+/// What the hardware keeps of the vectors of a job.
+#[derive(Debug, Clone, Copy)]
+pub struct Shape {
+    pub metric: SearchMetric,
+    pub elements: Elements,
+    /// Elements in the last block of a vector.
+    pub tail: u32,
+}
+
+impl Shape {
+    /// Of the words of a job, which may be one that is refused.
+    pub fn of_words(words: &[u32; 16]) -> Self {
+        let elements = Elements::from_code((words[0] >> 8 & 3).min(2), 1.0).unwrap_or(Elements::Binary32);
+        let tail = words[1].wrapping_sub(1) % elements.per_block() + 1;
+        Self { metric: SearchMetric::of_words(words), elements, tail }
+    }
+
+    /// The lanes of a beat.
+    pub fn lanes(&self) -> u32 {
+        if self.metric == SearchMetric::Euclidean { LANES as u32 } else { HALF as u32 }
     }
 }
 

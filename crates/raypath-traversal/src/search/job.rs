@@ -88,6 +88,13 @@ pub struct JobError {
 
 const METRICS: [SearchMetric; 3] = [SearchMetric::Euclidean, SearchMetric::Dot, SearchMetric::Cosine];
 
+impl SearchMetric {
+    /// Of the words of a job, which may be one that is refused.
+    pub(crate) fn of_words(words: &[u32; 16]) -> Self {
+        METRICS[(words[0] >> 4 & 3).min(2) as usize]
+    }
+}
+
 impl SearchJob {
     /// The job as words of 32 bits, little-endian in memory.
     ///

@@ -28,3 +28,20 @@ pub fn distance_of(metric: SearchMetric, rank: f32, query_norm: f32, scale: f32)
         }
     }
 }
+
+/// A rank as a word that is the lower the lower the rank. Numbers are not -0; those of NaN are behind all others.
+pub fn key_of(rank: f32) -> u32 {
+    let bits = rank.to_bits();
+    if rank.is_nan() {
+        u32::MAX
+    } else if bits >> 31 == 1 {
+        !bits
+    } else {
+        bits | 1 << 31
+    }
+}
+
+/// The rank of a key.
+pub fn rank_of_key(key: u32) -> f32 {
+    f32::from_bits(if key >> 31 == 1 { key & !(1 << 31) } else { !key })
+}

@@ -80,7 +80,7 @@ impl<'m> SearchTraffic<'m> {
         self.now += 1;
         let SearchOutputs { ready, result, request } = *outputs;
         let (held, asked) = &self.held;
-        if held.is_some() && held.map(same) != result.map(same) || asked.is_some() && *asked != request {
+        if held.is_some() && *held != result || asked.is_some() && *asked != request {
             return Err(wrong(format!("cycle {now}: {:?} waits and becomes {outputs:?}", self.held)));
         }
         let stalls = self.behaviour.stalls;
@@ -148,9 +148,4 @@ impl<'m> SearchTraffic<'m> {
         self.pending.push(Pending { due, tag, address, beat: 0 });
         Ok(())
     }
-}
-
-/// A result in words, which are equal for equal NaN.
-fn same(result: SearchResult) -> String {
-    format!("{result:?}")
 }

@@ -8,7 +8,7 @@ use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
 /// Vectors and markers that wait for the list.
-const WAITING: u32 = 16;
+pub const WAITING: u32 = 16;
 
 /// The fields of a vector or a marker.
 pub fn fields(parameters: SearchParameters) -> [(&'static str, u32); 5] {

@@ -9,10 +9,10 @@ use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
 /// Neighbours that wait for their distances.
-const WAITING: u32 = 64;
+pub const WAITING: u32 = 64;
 
 /// The digits of a root or a quotient in a cycle.
-const DIGITS: u32 = 2;
+pub const DIGITS: u32 = 2;
 
 /// The module `raypath_search_results`.
 ///

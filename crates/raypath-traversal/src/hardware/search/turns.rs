@@ -256,7 +256,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let set_q = held("set", set);
     let (writes, ways) =
         (m.forward("remembers", 1), (0..WAYS).map(|k| m.forward(&format!("new_way_{k}"), 32)).collect::<Vec<_>>());
-    let sweep_set = m.register("sweep_set_q", set_bits);
+    let sweep_set = m.register("sweep_set_q", set_bits).reset_to(0);
     let sweep = (sweeps.wire() & !writes.wire()).named("sweep");
     sweep_set.next_when(sweep, sweep_set.wire() + m.constant(set_bits, 1));
     sweeps.next(enters | (sweeps.wire() & !(sweep & sweep_set.wire().all())));

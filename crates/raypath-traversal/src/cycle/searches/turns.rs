@@ -1,0 +1,373 @@
+//! What each search fetches next.
+
+use super::fetch::{Blocks, Burst};
+use crate::search::{Place, SEARCH_BLOCK, SearchJob, SearchParameters};
+
+/// Vectors or indices of a turn.
+const PER_TURN: u32 = 16;
+
+/// Indices in a word of the memory of those that were compared.
+const WAYS: usize = 8;
+
+#[derive(Debug, Clone)]
+pub struct Turns {
+    parameters: SearchParameters,
+    searches: Vec<Search>,
+    /// A bit for each search: it is in the unit, it can go on, it has had no turn.
+    in_use: u32,
+    waits: u32,
+    is_new: u32,
+    /// The searches behind the one that had the last turn.
+    after: u32,
+    /// The search whose compared indices are forgotten, and the number of the next set.
+    sweep: Option<(u8, usize)>,
+    turn: Option<Turn>,
+    burst: Option<Pending>,
+}
+
+#[derive(Debug, Clone)]
+struct Search {
+    base: u32,
+    address: u32,
+    /// None if the job was refused.
+    job: Option<SearchJob>,
+    state: State,
+    candidate: u32,
+    /// The blocks of lists that have arrived last, by the lowest bit of their numbers.
+    lists: [[u32; 16]; 2],
+    half: usize,
+    compared: Vec<[u32; WAYS]>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct State {
+    phase: Phase,
+    number: u32,
+    left: u32,
+    spent: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Enter,
+    Begin,
+    Scan,
+    List,
+    Neighbours,
+    Expand,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    context: u8,
+    step: u32,
+    state: State,
+    list: [u32; 16],
+    candidate: u32,
+}
+
+/// A burst whose address is computed. One of an index that was compared before, or has no vector, is dropped.
+#[derive(Debug, Clone, Copy)]
+struct Pending {
+    blocks: Blocks,
+    /// The set of the index, and the indices in it.
+    compared: Option<(usize, [u32; WAYS])>,
+    is_outside: bool,
+}
+
+/// What happens in a cycle.
+pub struct Events {
+    /// A job that is offered: its number, base and address.
+    pub enters: Option<(u64, u32, u32)>,
+    pub release: Option<u8>,
+    /// A job whose words have come.
+    pub load: Option<(u8, [u32; 16])>,
+    pub list: Option<(u8, u32, [u32; 16])>,
+    pub expands: Option<(u8, u32)>,
+    /// A block of the search whose turn it is has failed.
+    pub has_failed: bool,
+    pub burst_ready: bool,
+}
+
+/// What leaves at a clock edge.
+pub struct TurnsEdge {
+    pub burst: Option<Blocks>,
+    /// The number of the search that has entered.
+    pub entered: Option<u8>,
+}
+
+impl Turns {
+    pub fn new(parameters: SearchParameters) -> Self {
+        let state = State { phase: Phase::Enter, number: 0, left: 0, spent: 0 };
+        let search = Search {
+            base: 0,
+            address: 0,
+            job: None,
+            state,
+            candidate: 0,
+            lists: [[0; 16]; 2],
+            half: 0,
+            compared: vec![[u32::MAX; WAYS]; parameters.remembered as usize / WAYS],
+        };
+        Self {
+            parameters,
+            searches: vec![search; parameters.contexts as usize],
+            in_use: 0,
+            waits: 0,
+            is_new: 0,
+            after: 0,
+            sweep: None,
+            turn: None,
+            burst: None,
+        }
+    }
+
+    pub fn is_idle(&self) -> bool {
+        self.in_use == 0
+    }
+
+    pub fn can_enter(&self) -> bool {
+        self.in_use != (1 << self.parameters.contexts) - 1 && self.sweep.is_none()
+    }
+
+    /// The search whose turn it is.
+    pub fn running(&self) -> Option<u8> {
+        self.turn.map(|turn| turn.context)
+    }
+
+    /// Whether the job that was loaded last in a search was refused.
+    pub fn is_refused(&self, context: u8) -> bool {
+        self.searches[usize::from(context)].job.is_none()
+    }
+
+    /// The clock edge.
+    pub fn edge(&mut self, events: &Events) -> TurnsEdge {
+        let entered = events.enters.filter(|_| self.can_enter()).map(|_| (!self.in_use).trailing_zeros() as u8);
+        let skips = self.burst.is_some_and(Pending::is_skipped);
+        let burst = self.burst.filter(|_| !skips && events.burst_ready);
+        let moves = self.burst.is_none() || skips || burst.is_some();
+        let remembers = burst.and_then(|pending| Some((pending.blocks, pending.compared?)));
+
+        let (mut came, mut ended) = (0_u32, None);
+        let mut next = None;
+        if let Some(turn) = self.turn.filter(|_| moves) {
+            let step = self.step(turn, events.has_failed);
+            next = step.asks;
+            match step.ends {
+                Some(state) => {
+                    ended = Some((turn.context, state));
+                    came |= u32::from(step.again) << turn.context;
+                }
+                None => self.turn = Some(Turn { step: turn.step + 1, state: step.state, ..turn }),
+            }
+        }
+        let picked = self.pick(ended.is_some());
+
+        // The memories: what is written is read from the next cycle on.
+        if let Some((context, state)) = ended {
+            self.searches[usize::from(context)].state = state;
+            self.turn = None;
+        }
+        if let Some(turn) = picked {
+            self.turn = Some(turn);
+        }
+        self.remember(remembers);
+        if let (Some(context), Some((_, base, address))) = (entered, events.enters) {
+            let search = &mut self.searches[usize::from(context)];
+            (search.base, search.address) = (base, address);
+            self.sweep = Some((context, 0));
+            came |= 1 << context;
+            self.in_use |= 1 << context;
+            self.is_new |= 1 << context;
+        }
+        if let Some(context) = events.release {
+            self.in_use &= !(1 << context);
+        }
+        if let Some((context, words)) = &events.load {
+            let job = SearchJob::from_words(*words, &self.parameters).ok();
+            self.searches[usize::from(*context)].job = job;
+            came |= 1 << context;
+        }
+        if let Some((context, number, words)) = &events.list {
+            let search = &mut self.searches[usize::from(*context)];
+            search.half = *number as usize % 2;
+            search.lists[search.half] = *words;
+            came |= 1 << context;
+        }
+        if let Some((context, index)) = events.expands {
+            self.searches[usize::from(context)].candidate = index;
+            came |= 1 << context;
+        }
+        let picked = picked.map_or(0, |turn| 1 << turn.context);
+        self.waits = (self.waits | came) & !picked;
+        self.is_new &= !picked;
+        if moves {
+            self.burst = next;
+        }
+        TurnsEdge { burst: burst.map(|pending| pending.blocks), entered }
+    }
+
+    /// The turn that begins in the next cycle, if there is none or one ends.
+    fn pick(&mut self, ends: bool) -> Option<Turn> {
+        let own = self.turn.map_or(0, |turn| 1 << turn.context);
+        let swept = self.sweep.map_or(0, |(context, _)| 1 << context) & !self.is_new;
+        let can = self.waits & !own & !swept;
+        if can == 0 || (self.turn.is_some() && !ends) {
+            return None;
+        }
+        let later = can & self.after;
+        let context = if later != 0 { later } else { can }.trailing_zeros();
+        self.after = !0 << context << 1;
+        let Search { state, lists, half, candidate, .. } = &self.searches[context as usize];
+        let is_new = self.is_new >> context & 1 == 1;
+        let state = State { phase: if is_new { Phase::Enter } else { state.phase }, ..*state };
+        Some(Turn { context: context as u8, step: 0, state, list: lists[*half], candidate: *candidate })
+    }
+
+    /// An index is remembered, or a set of indices is forgotten.
+    fn remember(&mut self, remembers: Option<(Blocks, (usize, [u32; WAYS]))>) {
+        if let Some((Blocks { context, index, .. }, (set, mut known))) = remembers {
+            known.rotate_right(1);
+            known[0] = index;
+            self.searches[usize::from(context)].compared[set] = known;
+        } else if let Some((context, set)) = self.sweep {
+            let compared = &mut self.searches[usize::from(context)].compared;
+            compared[set] = [u32::MAX; WAYS];
+            self.sweep = (set + 1 < compared.len()).then_some((context, set + 1));
+        }
+    }
+
+    /// A step of a turn.
+    fn step(&self, turn: Turn, block_failed: bool) -> Step {
+        let Turn { context, step, state, .. } = turn;
+        let search = &self.searches[usize::from(context)];
+        let address = |address: u32| u64::from(search.base) << 32 | u64::from(address);
+        let ask = |burst, index, to: u32, count| {
+            Some(Pending {
+                blocks: Blocks { burst, context, index, address: address(to), count },
+                compared: None,
+                is_outside: false,
+            })
+        };
+        let end = |asks, state| Step { asks, state, ends: Some(state), again: false };
+        let drain = || end(ask(Burst::Drain, state.number, 0, 0), state);
+        if state.phase == Phase::Enter {
+            return end(ask(Burst::Job, state.number, search.address, 1), State { phase: Phase::Begin, ..state });
+        }
+        let Some(job) = search.job.filter(|_| !block_failed) else {
+            let stops = match state.phase {
+                Phase::Begin | Phase::List | Phase::Neighbours => step == 0,
+                Phase::Scan => true,
+                Phase::Enter | Phase::Expand => false,
+            };
+            if stops {
+                return drain();
+            }
+            // The step is that of a job whose blocks fail meanwhile.
+            return search.job.map_or_else(drain, |job| self.step_of(turn, &job, ask));
+        };
+        self.step_of(turn, &job, ask)
+    }
+
+    fn step_of(&self, turn: Turn, job: &SearchJob, ask: impl Fn(Burst, u32, u32, u32) -> Option<Pending>) -> Step {
+        let Turn { step, state, context, .. } = turn;
+        let go_on = |asks, state| Step { asks, state, ends: None, again: false };
+        let end = |asks, state| Step { asks, state, ends: Some(state), again: false };
+        let blocks = job.layout().bytes() / SEARCH_BLOCK;
+        let (places, expansions) = match job.place {
+            Place::Scan => ((0, 0), 0),
+            Place::Gather { list, len } => ((list, len), 0),
+            Place::Graph { entries, entry_count, expansions, .. } => ((entries, entry_count), expansions),
+        };
+        let spent = if state.phase == Phase::Begin { 0 } else { state.spent };
+        let mark = |state: State| {
+            if spent < expansions {
+                end(ask(Burst::Expand, state.number, 0, 0), State { phase: Phase::Expand, spent: spent + 1, ..state })
+            } else {
+                end(ask(Burst::Drain, state.number, 0, 0), state)
+            }
+        };
+        let list =
+            |base: u32, number: u32| ask(Burst::List, number, base.wrapping_add(number.wrapping_mul(SEARCH_BLOCK)), 1);
+        let neighbours = || match job.place {
+            Place::Graph { neighbours, degree, .. } => {
+                let stride = (4 * degree).next_multiple_of(SEARCH_BLOCK);
+                (neighbours.wrapping_add(turn.candidate.wrapping_mul(stride)), degree)
+            }
+            _ => (0, 0),
+        };
+        match state.phase {
+            Phase::Enter => end(None, state),
+            Phase::Begin => match (step, job.place) {
+                (0, _) => go_on(ask(Burst::Query, state.number, job.query, blocks), state),
+                (1, _) => {
+                    let is_cosine = job.metric == crate::search::SearchMetric::Cosine;
+                    let asks = ask(Burst::Norm, state.number, job.query, blocks).filter(|_| is_cosine);
+                    go_on(asks, state)
+                }
+                (_, Place::Scan) if job.count == 0 => end(ask(Burst::Drain, state.number, 0, 0), state),
+                (_, Place::Scan) => {
+                    let next = State { phase: Phase::Scan, number: 0, left: job.count, spent };
+                    Step { again: true, ..end(None, next) }
+                }
+                _ if places.1 == 0 => mark(state),
+                _ => end(list(places.0, 0), State { phase: Phase::List, number: 0, left: places.1, spent }),
+            },
+            Phase::Scan if state.left == 0 => end(ask(Burst::Drain, state.number, 0, 0), state),
+            Phase::Scan => {
+                let to = job.vectors.wrapping_add(state.number.wrapping_mul(job.stride));
+                let asks = ask(Burst::Vector, state.number, to, blocks);
+                let next = State { number: state.number.wrapping_add(1), left: state.left - 1, ..state };
+                if step + 1 == PER_TURN { Step { again: true, ..end(asks, next) } } else { go_on(asks, next) }
+            }
+            Phase::List | Phase::Neighbours => {
+                let (base, _) = if state.phase == Phase::List { places } else { neighbours() };
+                if step == 0 {
+                    return go_on(list(base, state.number.wrapping_add(1)).filter(|_| state.left > PER_TURN), state);
+                }
+                let place = step - 1;
+                if place == state.left {
+                    return mark(state);
+                }
+                let index = turn.list[place as usize % 16];
+                let to = job.vectors.wrapping_add(index.wrapping_mul(job.stride));
+                let sets = self.searches[0].compared.len();
+                let set = (index ^ index >> sets.trailing_zeros()) as usize % sets;
+                let known = self.searches[usize::from(context)].compared[set];
+                let asks = ask(Burst::Vector, index, to, blocks).map(|pending| Pending {
+                    compared: Some((set, known)),
+                    is_outside: index >= job.count,
+                    ..pending
+                });
+                if step == PER_TURN && state.left > PER_TURN {
+                    end(asks, State { number: state.number.wrapping_add(1), left: state.left - PER_TURN, ..state })
+                } else {
+                    go_on(asks, state)
+                }
+            }
+            Phase::Expand => {
+                let (base, degree) = neighbours();
+                if degree == 0 {
+                    return mark(state);
+                }
+                end(list(base, 0), State { phase: Phase::Neighbours, number: 0, left: degree, ..state })
+            }
+        }
+    }
+}
+
+/// What a step does.
+struct Step {
+    asks: Option<Pending>,
+    state: State,
+    /// The state after the turn, if it ends.
+    ends: Option<State>,
+    /// The search can go on at once.
+    again: bool,
+}
+
+impl Pending {
+    fn is_skipped(self) -> bool {
+        self.compared.is_some_and(|(_, known)| self.is_outside || known.contains(&self.blocks.index))
+    }
+}
