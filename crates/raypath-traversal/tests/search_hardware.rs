@@ -3,12 +3,11 @@
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::Rules;
-use raypath_rtl::Config;
+use raypath_rtl::{Config, Control, Interval, UnitLatency};
 use raypath_tools::Sources;
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::search::{
-    Elements, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchParameters, SearchStatus, Searches,
-    VectorLayout, search,
+    Elements, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchStatus, Searches, VectorLayout, search,
 };
 use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, random_ray};
 use raypath_traversal::{NetlistEngine, StepParameters, Unit, UnitModel, UnitNetlist, UnitParameters};
@@ -72,22 +71,22 @@ fn jobs_of(seed: u64, image: &mut SearchImage) -> Vec<u32> {
 
 #[test]
 fn the_hardware_returns_what_the_model_returns_beside_rays() {
-    let search_parameters = SearchParameters {
-        contexts: 4,
-        neighbours: 16,
-        candidates: 64,
-        dimensions: 128,
-        blocks: 32,
-        remembered: 64,
-        turns: 2,
-    };
-    for (seed, memory_width, stalls, errors) in [(1, 512, 0, 100), (2, 512, 80, 0), (3, 128, 60, 50), (4, 256, 120, 0)]
-    {
+    let fast = Config::DEFAULT.control(Control::Credit).unit_latency(UnitLatency { sums: 5, products: 4 });
+    let folded = Config::DEFAULT.interval(Interval::Four);
+    let more = "k=16,m=64,contexts=4,dimensions=128,blocks=32,remembered=64,turns=2";
+    let less = "k=12,m=65,contexts=3,dimensions=100,blocks=16,remembered=128,turns=1";
+    for (seed, config, text, memory_width, stalls, errors) in [
+        (1, Config::DEFAULT, more, 512, 0, 100),
+        (2, fast, less, 512, 80, 0),
+        (3, Config::DEFAULT, less, 128, 60, 50),
+        (4, folded, more, 256, 120, 0),
+    ] {
+        let searches: Searches = text.parse().expect("searches");
+        let search_parameters = searches.0.expect("searches");
         let mut image = SearchImage::new();
         let jobs = jobs_of(seed, &mut image);
-        let searches = Searches(Some(search_parameters));
         let parameters = UnitParameters { contexts: 8, memory_width, search: searches, ..UnitParameters::default() };
-        let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+        let unit = UnitNetlist::new(config, parameters).expect("a unit");
         let mut engine = NetlistEngine::new(&unit).expect("an engine");
         engine.restart_randomly(seed);
         let mut model = UnitModel::of(&unit);

@@ -23,7 +23,7 @@ use crate::netlist::wires;
 use crate::search::SearchParameters;
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_hdl::{Builder, Forward, Module, Wire};
-use raypath_model::{Control, Shape};
+use raypath_model::{Control, Loop, Shape};
 use raypath_ops::{Culling, EdgeRule, JobKind};
 use raypath_rtl::{Config, DatapathNetlist, Features, Lanes, Operations, PARAMETER_GROUPS, Parameter};
 use std::sync::Arc;
@@ -90,9 +90,14 @@ impl UnitNetlist {
             raypath_rtl::Control::Skid => Control::Skid,
             raypath_rtl::Control::Credit => Control::Credit,
         };
-        // Boxes and triangles have no accumulators.
+        // Of the accumulators of beats.
+        let loops = self.datapath.loops().into_iter().map(|found| Loop {
+            opcode: found.opcode,
+            first: found.first as usize,
+            last: found.last as usize,
+        });
         let (latency, interval) = (self.datapath.latency() as usize, self.datapath.interval() as usize);
-        Shape { latency, control, interval, loops: Vec::new() }
+        Shape { latency, control, interval, loops: loops.collect() }
     }
 }
 
