@@ -3,7 +3,7 @@
 //! A vector of any dimension enters the datapath as beats of 16 Euclidean or 8 angular lanes, and leaves as accumulated
 //! sums. Square root and division are outside the datapath. [`Exact`] compares a query with every vector, a [`Graph`]
 //! with few. [`Dataset`] reads vectors from files, [`Clusters`] generates them. [`time_search`] runs a search through a
-//! cycle-exact model of the pipeline and counts cycles. [`search_through_unit`] searches by jobs of the unit's model.
+//! cycle-exact model of the pipeline and counts cycles. [`UnitJobs`] are jobs for the unit's models.
 //!
 //! ```
 //! use raypath_search::{Exact, LaneCount, Metric, Vectors};
@@ -44,5 +44,5 @@ pub use metric::{Metric, ParseMetricError, cosine_distance, euclidean_distance};
 pub use recall::recall;
 pub use results::{Neighbour, SearchResults, Work};
 pub use timing::{Candidates, SearchSpec, TimingError, search_jobs, sweep_search, time_search};
-pub use unit::{ParseStoredAsError, StoredAs, UnitSearch, search_through_unit};
+pub use unit::{ParseStoredAsError, SearchMemory, StoredAs, UnitJobs, UnitSearch, UnitTiming};
 pub use vectors::{DataError, MAX_DIMENSIONS, Neighbours, Vectors};

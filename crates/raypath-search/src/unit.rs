@@ -3,11 +3,17 @@
 use crate::exact::check;
 use crate::{Graph, Metric, Neighbour, SearchError, SearchResults, Vectors, Work};
 use rayon::prelude::*;
+use raypath_model::Shape;
 use raypath_timing::{Progress, ProgressCounter};
 use raypath_traversal::search::{
-    Elements, Place, SEARCH_BLOCK, SearchCounts, SearchImage, SearchJob, SearchMetric, SearchParameters, SearchReply,
-    SearchStatus, VectorLayout, search,
+    self as unit, Elements, Place, SEARCH_BLOCK, SearchCounts, SearchImage, SearchJob, SearchMetric, SearchParameters,
+    SearchReply, SearchStatus, VectorLayout, search,
 };
+use raypath_traversal::{
+    BlockRequest, Memory, Response, SearchInputs, SearchOutputs, SearchResult, UnitEngine, UnitInputs, UnitModel,
+    UnitParameters,
+};
+use std::collections::VecDeque;
 use std::time::Instant;
 
 /// The elements of vectors in the unit's memory.
@@ -39,6 +45,7 @@ pub struct UnitSearch {
     pub blocks: u64,
     /// Candidates whose neighbours in a graph were read.
     pub expansions: u64,
+    counts: Vec<SearchCounts>,
 }
 
 impl UnitSearch {
@@ -48,93 +55,212 @@ impl UnitSearch {
     }
 }
 
-/// Searches the `count` nearest vectors of each query by a job of the unit: a scan of all vectors, or a search in the
-/// lowest layer of a graph that keeps a number of candidates. `progress` gets the number of completed queries.
-///
-/// # Errors
-/// Queries of another dimension; a number of neighbours, candidates, dimensions or bytes that a job does not have;
-/// [`Stopped`](SearchError::Stopped).
-pub fn search_through_unit(
-    base: &Vectors,
-    queries: &Vectors,
-    metric: Metric,
-    count: usize,
-    stored: StoredAs,
-    graph: Option<(&Graph, usize)>,
-    progress: Progress,
-) -> Result<UnitSearch, SearchError> {
-    check(base.dimensions(), base.len(), queries.dimensions(), count)?;
-    in_job("neighbours", count, 1, UNIT.neighbours)?;
-    in_job("dimensions", base.dimensions(), 1, UNIT.dimensions)?;
-    let refused = |error: raypath_traversal::search::ImageError| SearchError::Parameter(error.to_string());
-    let layout = VectorLayout { elements: stored.elements([base, queries]), dimensions: base.dimensions() as u32 };
-    let mut image = SearchImage::new();
-    let mut placed = |vectors: &Vectors| {
-        let numbers: Vec<f32> = vectors.data().iter().map(|x| layout.elements.nearest(*x)).collect();
-        image.vectors(layout, &numbers).map_err(refused)
-    };
-    let (vectors, first_query) = (placed(base)?, placed(queries)?);
-    let place = match graph {
-        None => Place::Scan,
-        Some((graph, candidates)) => {
-            in_job("candidates", candidates, count, UNIT.candidates)?;
-            let (degree, lists, entry) = graph.lowest_layer();
-            let neighbours = image.lists(degree as u32, lists.into_iter()).map_err(refused)?;
-            let entries = image.lists(1, [&[entry][..]].into_iter()).map_err(refused)?;
-            let (degree, candidates) = (degree as u32, candidates as u32);
-            Place::Graph { neighbours, degree, entries, entry_count: 1, candidates, expansions: u32::MAX }
-        }
-    };
-    let job = SearchJob {
-        metric: if metric == Metric::Euclidean { SearchMetric::Euclidean } else { SearchMetric::Cosine },
-        elements: layout.elements,
-        dimensions: layout.dimensions,
-        query: first_query,
-        vectors,
-        stride: layout.bytes(),
-        count: base.len() as u32,
-        k: count as u32,
-        bound: f32::INFINITY,
-        place,
-    };
-    let mut jobs = Vec::with_capacity(queries.len());
-    for number in 0..queries.len() as u32 {
-        let query = first_query + number * layout.bytes();
-        jobs.push(image.job(&SearchJob { query, ..job }).map_err(refused)?);
+/// The memory around a unit: each request is answered after some cycles, one beat a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SearchMemory {
+    /// Bits of a beat: 128, 256 or 512.
+    pub width: u32,
+    /// Cycles from a request to the first beat of its block.
+    pub latency: u64,
+}
+
+/// The timing of jobs in the unit's cycle-exact model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnitTiming {
+    /// The jobs.
+    pub jobs: usize,
+    /// Cycles until the last result was taken.
+    pub cycles: u64,
+    /// Beats of the datapath, from the functional model.
+    pub beats: u64,
+    /// Beats of the memory.
+    pub memory_beats: u64,
+}
+
+impl UnitTiming {
+    /// Beats of the datapath in a cycle.
+    pub fn beats_per_cycle(&self) -> f64 {
+        self.beats as f64 / self.cycles.max(1) as f64
     }
 
-    let (began, progress) = (Instant::now(), ProgressCounter::new(progress));
-    let replies: Vec<Option<SearchReply>> = jobs
-        .into_par_iter()
-        .map(|address| {
-            let reply = (!progress.is_stopped()).then(|| search(&image, 0, address, &UNIT));
-            progress.add(1);
-            reply
-        })
-        .collect();
-    if progress.is_stopped() {
-        return Err(SearchError::Stopped);
+    /// The most beats in a cycle: 1; what the beats of the memory allow; and what so many searches do if each takes as
+    /// long as one `alone`.
+    pub fn bound(&self, alone: &Self, contexts: u32) -> f64 {
+        let by_memory = self.beats as f64 / self.memory_beats.max(1) as f64;
+        by_memory.min(f64::from(contexts) * alone.beats_per_cycle()).min(1.0)
     }
-    let seconds = began.elapsed().as_secs_f64();
-    let mut all = SearchCounts::default();
-    let mut rows = Vec::with_capacity(replies.len());
-    for SearchReply { status, neighbours, counts } in replies.into_iter().flatten() {
+}
+
+/// Vectors, a graph and a job for each query in the unit's memory.
+#[derive(Debug, Clone)]
+pub struct UnitJobs {
+    image: SearchImage,
+    jobs: Vec<u32>,
+    metric: Metric,
+}
+
+impl UnitJobs {
+    /// Jobs that search the `count` nearest vectors of each query: by a scan of all vectors, or in the lowest layer of a
+    /// graph, with a number of candidates that are kept.
+    ///
+    /// # Errors
+    /// Queries of another dimension; a number of neighbours, candidates, dimensions or bytes that a job does not have.
+    pub fn new(
+        base: &Vectors,
+        queries: &Vectors,
+        metric: Metric,
+        count: usize,
+        stored: StoredAs,
+        graph: Option<(&Graph, usize)>,
+    ) -> Result<Self, SearchError> {
+        check(base.dimensions(), base.len(), queries.dimensions(), count)?;
+        in_job("neighbours", count, 1, UNIT.neighbours)?;
+        in_job("dimensions", base.dimensions(), 1, UNIT.dimensions)?;
+        let refused = |error: raypath_traversal::search::ImageError| SearchError::Parameter(error.to_string());
+        let layout = VectorLayout { elements: stored.elements([base, queries]), dimensions: base.dimensions() as u32 };
+        let mut image = SearchImage::new();
+        let mut placed = |vectors: &Vectors| {
+            let numbers: Vec<f32> = vectors.data().iter().map(|x| layout.elements.nearest(*x)).collect();
+            image.vectors(layout, &numbers).map_err(refused)
+        };
+        let (vectors, first_query) = (placed(base)?, placed(queries)?);
+        let place = match graph {
+            None => Place::Scan,
+            Some((graph, candidates)) => {
+                in_job("candidates", candidates, count, UNIT.candidates)?;
+                let (degree, lists, entry) = graph.lowest_layer();
+                let neighbours = image.lists(degree as u32, lists.into_iter()).map_err(refused)?;
+                let entries = image.lists(1, [&[entry][..]].into_iter()).map_err(refused)?;
+                let (degree, candidates) = (degree as u32, candidates as u32);
+                Place::Graph { neighbours, degree, entries, entry_count: 1, candidates, expansions: u32::MAX }
+            }
+        };
+        let job = SearchJob {
+            metric: if metric == Metric::Euclidean { SearchMetric::Euclidean } else { SearchMetric::Cosine },
+            elements: layout.elements,
+            dimensions: layout.dimensions,
+            query: first_query,
+            vectors,
+            stride: layout.bytes(),
+            count: base.len() as u32,
+            k: count as u32,
+            bound: f32::INFINITY,
+            place,
+        };
+        let mut jobs = Vec::with_capacity(queries.len());
+        for number in 0..queries.len() as u32 {
+            let query = first_query + number * layout.bytes();
+            jobs.push(image.job(&SearchJob { query, ..job }).map_err(refused)?);
+        }
+        Ok(Self { image, jobs, metric })
+    }
+
+    /// The neighbours, by the functional model. `progress` gets the number of completed queries.
+    ///
+    /// # Errors
+    /// [`Stopped`](SearchError::Stopped).
+    pub fn search(&self, progress: Progress) -> Result<UnitSearch, SearchError> {
+        let (began, progress) = (Instant::now(), ProgressCounter::new(progress));
+        let replies: Vec<Option<SearchReply>> = self
+            .jobs
+            .par_iter()
+            .map(|address| {
+                let reply = (!progress.is_stopped()).then(|| search(&self.image, 0, *address, &UNIT));
+                progress.add(1);
+                reply
+            })
+            .collect();
+        if progress.is_stopped() {
+            return Err(SearchError::Stopped);
+        }
+        let seconds = began.elapsed().as_secs_f64();
+        let (mut rows, mut all) = (Vec::with_capacity(replies.len()), Vec::with_capacity(replies.len()));
+        for SearchReply { status, neighbours, counts } in replies.into_iter().flatten() {
+            rows.push(self.row(status, neighbours)?);
+            all.push(counts);
+        }
+        let sum = |of: fn(&SearchCounts) -> u64| all.iter().map(of).sum::<u64>();
+        let work = Work { evaluations: sum(|counts| counts.distances), beats: sum(|counts| counts.beats) };
+        let (blocks, expansions) = (sum(|counts| counts.blocks), sum(|counts| counts.expansions));
+        Ok(UnitSearch { results: SearchResults { rows, work, seconds }, blocks, expansions, counts: all })
+    }
+
+    fn row(&self, status: SearchStatus, neighbours: Vec<unit::Neighbour>) -> Result<Vec<Neighbour>, SearchError> {
         if status != SearchStatus::Done {
             return Err(SearchError::Parameter(format!("a job ended with {status:?}, expected neighbours")));
         }
-        rows.push(
-            neighbours
-                .into_iter()
-                .map(|near| Neighbour { index: near.index, distance: shown(metric, near.distance) })
-                .collect(),
-        );
-        all.distances += counts.distances;
-        all.beats += counts.beats;
-        all.blocks += counts.blocks;
-        all.expansions += counts.expansions;
+        let shown =
+            |near: unit::Neighbour| Neighbour { index: near.index, distance: shown(self.metric, near.distance) };
+        Ok(neighbours.into_iter().map(shown).collect())
     }
-    let work = Work { evaluations: all.distances, beats: all.beats };
-    Ok(UnitSearch { results: SearchResults { rows, work, seconds }, blocks: all.blocks, expansions: all.expansions })
+
+    /// Runs the first jobs through the cycle-exact model of a unit with searches, whose datapath has this shape, and
+    /// compares each neighbour with those of the functional model. At most `in_flight` jobs are inside; 0: any number.
+    /// `progress` gets the number of jobs that have ended.
+    ///
+    /// # Errors
+    /// A unit without searches, or one that does not have the jobs' numbers of neighbours, candidates or dimensions; a
+    /// neighbour that differs; [`Stopped`](SearchError::Stopped).
+    pub fn time(
+        &self,
+        found: &UnitSearch,
+        unit: (&Shape, UnitParameters),
+        memory: SearchMemory,
+        [jobs, in_flight]: [usize; 2],
+        progress: Progress,
+    ) -> Result<UnitTiming, SearchError> {
+        let (shape, parameters) = unit;
+        let parameters = UnitParameters { memory_width: memory.width, id_width: 32, ..parameters };
+        if parameters.search.0.is_none() {
+            return Err(SearchError::Parameter("a unit without searches, expected one with them".to_string()));
+        }
+        let jobs = jobs.min(self.jobs.len());
+        let (mut model, progress) = (UnitModel::new(shape, parameters), ProgressCounter::new(progress));
+        let mut queue: VecDeque<(u64, BlockRequest)> = VecDeque::new();
+        let mut rows = vec![Vec::new(); jobs];
+        let (mut next, mut ended, mut beat, mut now) = (0, 0, 0, 0_u64);
+        let (beat_bytes, beats) = (memory.width as usize / 8, 8 * SEARCH_BLOCK / memory.width);
+        while ended < jobs {
+            let Some(SearchOutputs { ready, result, request }) = model.outputs().search else { break };
+            let can_enter = next < jobs && (in_flight == 0 || next < ended + in_flight);
+            let job = can_enter.then(|| (next as u64, 0, self.jobs[next]));
+            let due = queue.front().copied().filter(|(due, _)| *due <= now).map(|(_, request)| request);
+            let block = due.map(|BlockRequest { address, tag }| (self.image.block(address, SEARCH_BLOCK), tag));
+            let response = block.as_ref().map(|(block, tag)| {
+                let block = block.as_ref().copied().unwrap_or(&[0; SEARCH_BLOCK as usize]);
+                Response { tag: *tag, is_error: false, beat: &block[beat as usize * beat_bytes..][..beat_bytes] }
+            });
+            let search = SearchInputs { job, result_ready: true, request_ready: true, response };
+            model.cycle(&UnitInputs { search, ..UnitInputs::default() });
+            next += usize::from(ready && job.is_some());
+            if due.is_some() {
+                beat = (beat + 1) % beats;
+                if beat == 0 {
+                    queue.pop_front();
+                }
+            }
+            now += 1;
+            queue.extend(request.map(|request| (now + memory.latency, request)));
+            if let Some(SearchResult { id, neighbour, status, is_last, .. }) = result {
+                let row = &mut rows[id as usize];
+                row.extend(neighbour);
+                if is_last {
+                    if self.row(status, std::mem::take(row))? != found.results.rows[id as usize] {
+                        return Err(SearchError::Parameter(format!("query {id} differs between the unit's models")));
+                    }
+                    ended += 1;
+                    progress.add(1);
+                    if progress.is_stopped() {
+                        return Err(SearchError::Stopped);
+                    }
+                }
+            }
+        }
+        let counts = &found.counts[..jobs];
+        let sum = |of: fn(&SearchCounts) -> u64| counts.iter().map(of).sum::<u64>();
+        let memory_beats = sum(|counts| counts.blocks) * u64::from(beats);
+        Ok(UnitTiming { jobs, cycles: now, beats: sum(|counts| counts.beats), memory_beats })
+    }
 }
 
 fn shown(metric: Metric, distance: f32) -> f64 {

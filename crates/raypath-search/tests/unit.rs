@@ -1,9 +1,11 @@
 //! Searches by jobs of the unit against the exact search.
 
+use raypath_model::{Control, Shape};
 use raypath_search::{
-    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, StoredAs, recall,
-    search_through_unit,
+    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchMemory, SearchResults,
+    StoredAs, UnitJobs, recall,
 };
+use raypath_traversal::UnitParameters;
 
 const COUNT: usize = 10;
 
@@ -25,7 +27,8 @@ fn exact(Dataset { base, queries, .. }: &Dataset, metric: Metric) -> SearchResul
 /// The recall of a search by jobs.
 fn found(dataset: &Dataset, metric: Metric, stored: StoredAs, graph: Option<(&Graph, usize)>) -> (SearchResults, f64) {
     let Dataset { base, queries, .. } = dataset;
-    let found = search_through_unit(base, queries, metric, COUNT, stored, graph, &|_| true).expect("a search");
+    let jobs = UnitJobs::new(base, queries, metric, COUNT, stored, graph).expect("jobs");
+    let found = jobs.search(&|_| true).expect("a search");
     let truth: Vec<i64> = exact(dataset, metric).rows.iter().flatten().map(|near| near.index.into()).collect();
     let truth = Neighbours::new(COUNT, &truth, base.len()).expect("neighbours");
     let recall = recall(&found.results, &truth, base, queries, metric, LaneCount::Sixteen, COUNT).expect("a recall");
@@ -65,6 +68,26 @@ fn rounded_elements_and_a_graph_find_most_neighbours() {
 #[test]
 fn what_no_job_has_is_refused() {
     let Dataset { base, queries, .. } = dataset();
-    let found = search_through_unit(&base, &queries, Metric::Euclidean, 65, StoredAs::Int8, None, &|_| true);
+    let found = UnitJobs::new(&base, &queries, Metric::Euclidean, 65, StoredAs::Int8, None);
     assert_eq!(found.expect_err("65").to_string(), "65 neighbours in a job of the unit, expected 1 to 64");
+}
+
+#[test]
+fn the_cycle_exact_model_finds_the_same_neighbours() {
+    let Dataset { base, queries, .. } = dataset();
+    let parameters = GraphParameters::default();
+    let graph = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
+    for graph in [None, Some((&graph, 64))] {
+        let jobs = UnitJobs::new(&base, &queries, Metric::Euclidean, COUNT, StoredAs::Binary32, graph).expect("jobs");
+        let found = jobs.search(&|_| true).expect("a search");
+        let shape = Shape { latency: 12, control: Control::Skid, interval: 1, loops: Vec::new() };
+        let unit = UnitParameters { search: "k=10,m=64".parse().expect("searches"), ..UnitParameters::default() };
+        let memory = SearchMemory { width: 256, latency: 50 };
+        let all = jobs.time(&found, (&shape, unit), memory, [20, 0], &|_| true).expect("a timing");
+        let alone = jobs.time(&found, (&shape, unit), memory, [2, 1], &|_| true).expect("a timing");
+        assert!(all.beats_per_cycle() > 0.5 * all.bound(&alone, 8), "{all:?}, {alone:?}");
+        assert!(all.cycles >= all.memory_beats.max(all.beats));
+        let less = UnitParameters { search: "k=10,m=64,dimensions=16".parse().expect("searches"), ..unit };
+        assert!(jobs.time(&found, (&shape, less), memory, [20, 0], &|_| true).is_err(), "jobs are refused");
+    }
 }
