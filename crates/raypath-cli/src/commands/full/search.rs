@@ -2,6 +2,7 @@
 
 mod saved;
 mod timing;
+mod unit;
 
 use crate::commands::full::{
     DivisionArguments, MemoryArguments, Timed, TimingArguments, print_rows, watched, write_and_name,
@@ -12,8 +13,8 @@ use raypath_float::Format;
 use raypath_ops::Rounding;
 use raypath_rtl::Config;
 use raypath_search::{
-    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, StoredAs, Work,
-    recall, search_through_unit, write_ivecs,
+    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, StoredAs, UnitJobs,
+    Work, recall, write_ivecs,
 };
 use raypath_timing::Progress;
 use raypath_timing::report::Table;
@@ -39,8 +40,8 @@ pub struct Arguments {
     /// Compare with every vector; the default without --index
     #[arg(long, conflicts_with = "index")]
     exact: bool,
-    /// Search by jobs of the unit, in its functional model; there is no other one yet
-    #[arg(long, value_enum, requires = "no_timing", conflicts_with_all = ["shard", "part", "merge"])]
+    /// Search by jobs of the unit, in its functional model, and time them in its cycle-exact model
+    #[arg(long, value_enum, conflicts_with_all = ["shard", "part", "merge", "queries_in_flight", "report", "konata"])]
     through: Option<Through>,
     /// The elements of vectors in the unit's memory
     #[arg(long, requires = "through", default_value = "binary32", value_name = "binary32|binary16|int8")]
@@ -72,6 +73,8 @@ pub struct Arguments {
     /// Simulate the first N queries [default: as many as take five million beats]
     #[arg(long, value_parser = whole(1..=usize::MAX), value_name = "N")]
     timed: Option<usize>,
+    #[command(flatten)]
+    unit: unit::UnitArguments,
     #[command(flatten)]
     timing: TimingArguments,
     #[command(flatten)]
@@ -122,18 +125,17 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         }
         Some(Index::Hnsw) => Some(arguments.graph(lanes, &dataset, metric, out)?),
     };
-    let mut of_unit = Vec::new();
-    let results = match &graph {
-        _ if arguments.through.is_some() => {
+    let of_unit = match arguments.through {
+        None => None,
+        Some(Through::Unit) => {
             let graph = graph.as_ref().map(|graph| (graph, arguments.ef()));
-            let found = watched("queries", queries.len(), |progress| {
-                search_through_unit(base, queries, metric, arguments.k, arguments.elements, graph, progress)
-            })?;
-            let of_query = |total: u64| format!("{:.1}", found.results.per_query(total));
-            of_unit.push(("bytes that a query reads".to_string(), of_query(found.bytes())));
-            of_unit.push(("candidates that a query expands".to_string(), of_query(found.expansions)));
-            found.results
+            let jobs = UnitJobs::new(base, queries, metric, arguments.k, arguments.elements, graph)?;
+            let found = watched("queries", queries.len(), |progress| jobs.search(progress))?;
+            Some((jobs, found))
         }
+    };
+    let results = match &graph {
+        _ if let Some((_, found)) = &of_unit => found.results.clone(),
         None => match arguments.divided(lanes, &dataset, metric, config)? {
             Ok(results) => results,
             Err(message) => return Ok(writeln!(out, "{message}")?),
@@ -143,7 +145,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         }
     };
     let mut rows = describe(&results, lanes, base.dimensions());
-    rows.extend(of_unit);
+    if let Some((_, found)) = &of_unit {
+        let of_query = |total: u64| format!("{:.1}", found.results.per_query(total));
+        rows.push(("bytes that a query reads".to_string(), of_query(found.bytes())));
+        rows.push(("candidates that a query expands".to_string(), of_query(found.expansions)));
+    }
     if let Some((source, truth)) = arguments.truth(lanes, &dataset, metric)? {
         let recall = recall(&results, &truth, base, queries, metric, lanes, arguments.k).map_err(CliError::unusable)?;
         rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
@@ -157,6 +163,15 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         let mut bytes = Vec::new();
         write_ivecs(&results, &mut bytes)?;
         files.push((path.clone(), bytes));
+    }
+    if let Some((jobs, found)) = &of_unit {
+        let of_query = (found.results.work.beats / (queries.len().max(1) as u64)).max(1);
+        let timed = arguments.timed.unwrap_or((timing::BEATS / of_query).max(1) as usize).min(queries.len());
+        let candidates = if graph.is_some() { arguments.ef() } else { arguments.k };
+        let needs = unit::Needs { neighbours: arguments.k, candidates, dimensions: base.dimensions() };
+        let subject = unit::Subject { jobs, found, timed, needs };
+        files.extend(arguments.unit.time(&subject, &arguments.timing, config, out)?);
+        return write_and_name(&files, out);
     }
     let subject = timing::Queries {
         name: arguments.name(),

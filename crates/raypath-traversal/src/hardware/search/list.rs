@@ -10,12 +10,12 @@ use raypath_hdl::{Builder, Error, Module, Register, Wire};
 use std::sync::Arc;
 
 /// Candidates in a word of the memory.
-pub const PER_WORD: u32 = 8;
+pub const PER_WORD: u32 = 16;
 
 /// The key of no candidate, behind those of all ranks.
 const NOTHING: u64 = 0xffff_ffff;
 
-/// The module `raypath_search_list`, which keeps the best candidates of each search in words of eight, sorted by key and
+/// The module `raypath_search_list`, which keeps the best candidates of each search in words of sixteen, sorted by key and
 /// index.
 ///
 /// A search begins where `clear_valid_i` and `clear_ready_o` are 1, for `clear_context_i`: with the key of its bound, the
@@ -29,7 +29,7 @@ const NOTHING: u64 = 0xffff_ffff;
 pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_search_list");
     let m = &builder;
-    m.doc("The best candidates of each search, sorted, in words of eight.");
+    m.doc("The best candidates of each search, sorted, in words of sixteen.");
     let (width, contexts) = (context_bits(parameters), parameters.contexts);
     let (word_bits, place_bits) = (word_bits(parameters), place_bits(parameters));
     let clear_valid = m.input("clear_valid_i", 1);

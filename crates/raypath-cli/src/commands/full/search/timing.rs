@@ -23,7 +23,7 @@ pub struct Queries<'d> {
 }
 
 /// The number of simulated beats if no number of queries is given.
-const BEATS: u64 = 5_000_000;
+pub const BEATS: u64 = 5_000_000;
 
 /// The number of queries at each point of a sweep, and the maximum number of vectors in an exact search.
 const SWEPT: usize = 128;
