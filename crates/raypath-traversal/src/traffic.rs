@@ -1,11 +1,13 @@
 //! Traffic at the ports of a unit: scenes, rays, a memory that answers in any order, and users that stall.
 
+mod random_searches;
 mod recorded;
 mod scatter;
 mod scene;
 mod searches;
 mod two_level;
 
+pub use random_searches::random_searches;
 pub use recorded::{RecordedCycle, RecordedEngine};
 pub use scatter::invalid_child;
 pub use scene::{BlockScene, never, random_ray};

@@ -1,73 +1,16 @@
 //! The hardware of searches against their functional model, beside rays, with memories and users that stall.
 
+use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use rand::{RngExt, SeedableRng};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control, Interval, UnitLatency};
 use raypath_tools::Sources;
 use raypath_traversal::blocks::NodeKind;
-use raypath_traversal::search::{
-    Elements, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchStatus, Searches, VectorLayout, search,
+use raypath_traversal::search::{Neighbour, SearchImage, SearchStatus, Searches, search};
+use raypath_traversal::traffic::{
+    Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, random_ray, random_searches,
 };
-use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, random_ray};
 use raypath_traversal::{NetlistEngine, StepParameters, Unit, UnitModel, UnitNetlist, UnitParameters};
-
-fn jobs_of(seed: u64, image: &mut SearchImage) -> Vec<u32> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut jobs = Vec::new();
-    for _ in 0..40 {
-        let elements =
-            [Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 0.25 }][random.random_range(0..3)];
-        let dimensions = [1, 3, 8, 16, 17, 31, 40, 64, 65, 100][random.random_range(0..10)];
-        let count = random.random_range(0..120);
-        let layout = VectorLayout { elements, dimensions };
-        let mut numbers = |count: u32| -> Vec<f32> {
-            (0..count * dimensions).map(|_| f32::from(random.random_range(-9_i8..=9)) * 0.25).collect()
-        };
-        let (rows, query) = (numbers(count), numbers(1));
-        let vectors = image.vectors(layout, &rows).expect("vectors");
-        let query = image.vectors(layout, &query).expect("a query");
-        let metric = [SearchMetric::Euclidean, SearchMetric::Dot, SearchMetric::Cosine][random.random_range(0..3)];
-        let place = match random.random_range(0..4) {
-            0 => Place::Scan,
-            1 => {
-                let len = random.random_range(0..70);
-                let list: Vec<u32> = (0..len).map(|_| random.random_range(0..count + 20)).collect();
-                let list = image.lists(len, [&list[..]].into_iter()).expect("a list");
-                Place::Gather { list, len }
-            }
-            _ => {
-                let degree = random.random_range(0..40);
-                let lists: Vec<Vec<u32>> =
-                    (0..count).map(|_| (0..degree).map(|_| random.random_range(0..count + 3)).collect()).collect();
-                let neighbours = image.lists(degree, lists.iter().map(Vec::as_slice)).expect("a graph");
-                let entry_count = random.random_range(0..20);
-                let entries: Vec<u32> = (0..entry_count).map(|_| random.random_range(0..count + 3)).collect();
-                let entries = image.lists(entry_count, [&entries[..]].into_iter()).expect("a list");
-                let expansions = [0, 1, 5, 1000][random.random_range(0..4)];
-                Place::Graph {
-                    neighbours,
-                    degree,
-                    entries,
-                    entry_count,
-                    candidates: random.random_range(12..=64),
-                    expansions,
-                }
-            }
-        };
-        let bound = if random.random_range(0..4) == 0 { 2.0 } else { f32::INFINITY };
-        // Some jobs are refused, and some read behind the memory.
-        let (k, count) = match random.random_range(0..8) {
-            0 => (0, count),
-            1 => (5, count + 1_000_000),
-            _ => (random.random_range(1..=12), count),
-        };
-        let job =
-            SearchJob { metric, elements, dimensions, query, vectors, stride: layout.bytes(), count, k, bound, place };
-        jobs.push(image.job(&job).expect("a job"));
-    }
-    jobs
-}
 
 #[test]
 fn the_hardware_returns_what_the_model_returns_beside_rays() {
@@ -84,7 +27,7 @@ fn the_hardware_returns_what_the_model_returns_beside_rays() {
         let searches: Searches = text.parse().expect("searches");
         let search_parameters = searches.0.expect("searches");
         let mut image = SearchImage::new();
-        let jobs = jobs_of(seed, &mut image);
+        let jobs = random_searches(seed, 40, search_parameters, &mut image).expect("jobs");
         let parameters = UnitParameters { contexts: 8, memory_width, search: searches, ..UnitParameters::default() };
         let unit = UnitNetlist::new(config, parameters).expect("a unit");
         let mut engine = NetlistEngine::new(&unit).expect("an engine");

@@ -9,6 +9,9 @@ use super::{JOB_BYTES, SEARCH_BLOCK};
 use crate::model::{Memory, MemoryError, RayRequest};
 use std::collections::HashSet;
 
+/// Words of a block.
+const PER_BLOCK: u32 = SEARCH_BLOCK / 4;
+
 /// A neighbour of a query.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neighbour {
@@ -115,9 +118,12 @@ impl<M: Memory + ?Sized> Search<'_, M> {
 
     /// Compares the vectors of a list with the query, unless there is none of an index, or it was compared before.
     fn compare_list(&mut self, seen: &mut Seen, list: u32, len: u32) -> Result<(), MemoryError> {
-        for index in self.words(list, len)? {
-            if index < seen.job.count && seen.indices.insert(index) {
-                self.compare(seen, index)?;
+        for number in 0..len.div_ceil(PER_BLOCK) {
+            let address = list.wrapping_add(number.wrapping_mul(SEARCH_BLOCK));
+            for index in self.words(address, (len - number * PER_BLOCK).min(PER_BLOCK))? {
+                if index < seen.job.count && seen.indices.insert(index) {
+                    self.compare(seen, index)?;
+                }
             }
         }
         Ok(())
@@ -150,7 +156,7 @@ impl<M: Memory + ?Sized> Search<'_, M> {
 
     fn words(&mut self, address: u32, count: u32) -> Result<Vec<u32>, MemoryError> {
         let mut words = Vec::new();
-        self.read(address, count.saturating_mul(4), |block| {
+        self.read(address, 4 * count, |block| {
             words.extend(block.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)));
         })?;
         words.truncate(count as usize);

@@ -9,7 +9,11 @@ use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
 use raypath_rtl::package::Prefix;
 use raypath_sim::files::{in_folder, write_design};
-use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray, verdict_of};
+use raypath_traversal::search::{Neighbour, SearchImage, SearchParameters, search};
+use raypath_traversal::traffic::{
+    Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, TwoLevelScene, random_ray, random_searches,
+    verdict_of,
+};
 use raypath_traversal::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
 use std::io::Write;
 use std::time::Instant;
@@ -40,14 +44,20 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let (all, datapath) = (unit.top.register_bits(), unit.datapath.top().register_bits());
     let control = all - datapath;
     writeln!(out, "Flip-flops: {control} around the datapath, {datapath} in it\n\n{}\n", parts(&unit.top, prefix))?;
-    let folder = arguments.out.display();
-    writeln!(out, "Wrote {modules} files to {folder}/rtl, listed in {folder}/{prefix}_unit.f, with the AXI4 wrapper")?;
-    writeln!(out, "{prefix}_unit_axi in {folder}/{prefix}_unit_axi.f, the device with registers and rings")?;
-    writeln!(out, "{prefix}_device in {folder}/{prefix}_device.f, and with structures {prefix}_unit_wrapper")?;
-    writeln!(out, "in {folder}/{prefix}_unit_wrapper.f; all but the wrappers to {folder}/{prefix}_unit.sv,")?;
+    let (folder, has_searches) = (arguments.out.display(), unit.parameters.search.0.is_some());
+    writeln!(out, "Wrote {modules} files to {folder}/rtl, listed in {folder}/{prefix}_unit.f, {}with structures", {
+        let wrappers = format!(
+            "with the AXI4 wrapper\n{prefix}_unit_axi in {folder}/{prefix}_unit_axi.f, the device with registers and \
+             rings\n{prefix}_device in {folder}/{prefix}_device.f, and "
+        );
+        if has_searches { String::new() } else { wrappers }
+    })?;
+    writeln!(out, "{prefix}_unit_wrapper in {folder}/{prefix}_unit_wrapper.f;")?;
+    writeln!(out, "all but the wrappers to {folder}/{prefix}_unit.sv,")?;
     writeln!(out, "and without structures to {folder}/{prefix}_unit_plain.sv; assertions to")?;
     writeln!(out, "{folder}/{prefix}_properties.sv; for FuseSoC and Bender: {folder}/{prefix}_unit.core and")?;
-    writeln!(out, "{folder}/Bender.yml; constraints (.sdc, .xdc) and IP-XACT (.xml): {folder}/{prefix}_unit_axi.*.\n")?;
+    let of = if has_searches { "unit" } else { "unit_axi" };
+    writeln!(out, "{folder}/Bender.yml; constraints (.sdc, .xdc) and IP-XACT (.xml): {folder}/{prefix}_{of}.*.\n")?;
     check(&unit, arguments, out)
 }
 
@@ -60,15 +70,25 @@ fn table<const N: usize>(header: [&str; N]) -> Table {
 
 /// The ports of each channel.
 fn ports(top: &Module) -> Table {
-    let channels =
-        [("ray, in", "ray_"), ("hit, out", "hit_"), ("memory request, out", "mem_req_"), ("response, in", "mem_rsp_")];
+    let channels = [
+        ("ray, in", "ray_"),
+        ("hit, out", "hit_"),
+        ("memory request, out", "mem_req_"),
+        ("response, in", "mem_rsp_"),
+        ("search, in", "search_"),
+        ("result, out", "result_"),
+        ("request of searches, out", "vec_req_"),
+        ("response, in", "vec_rsp_"),
+    ];
     let mut table = table(["channel", "ports"]);
     table.add_row(["", "clk_i, rst_ni"]);
     for (channel, prefix) in channels {
         let range = |width: u32| if width == 1 { String::new() } else { format!(" [{}:0]", width - 1) };
         let found = top.text_ports().into_iter().filter(|port| port.name.starts_with(prefix));
         let cells: Vec<String> = found.map(|port| port.name + &range(port.width)).collect();
-        table.add_row([channel, &cells.join(", ")]);
+        if !cells.is_empty() {
+            table.add_row([channel, &cells.join(", ")]);
+        }
     }
     table
 }
@@ -131,9 +151,12 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
     let rays: Vec<RayRequest> = (0..total).map(|_| random_ray(root, &mut random)).collect();
     let (mut netlist, mut model) = (NetlistEngine::new(unit)?, UnitModel::of(unit));
     let mut environment = Environment::new(&scene.0, unit.parameters, rays.clone(), BEHAVIOUR, arguments.seed);
+    let searches = Checked::new(unit, arguments.seed)?;
+    environment.searches = searches.as_ref().map(|searches| searches.traffic(unit, arguments.seed));
+    let has_searches = |environment: &Environment<'_>| environment.searches.as_ref().is_some_and(|all| !all.is_done());
     let mut progress = Progress::new("rays", total);
     let limit = CYCLES_PER_RAY.saturating_mul(total as u64);
-    while !environment.is_done() && progress.at(environment.replies.len()) {
+    while (!environment.is_done() || has_searches(&environment)) && progress.at(environment.replies.len()) {
         let cycle = environment.cycle(&mut [&mut netlist, &mut model]);
         cycle.map_err(|problem| CliError::Mismatch(format!("netlist and cycle-exact model: {problem}")))?;
         if environment.cycles() > limit {
@@ -175,5 +198,55 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
     if !different.is_empty() {
         return Err(CliError::Mismatch(format!("netlist and functional model differ for {} rays", different.len())));
     }
-    Ok(stopped?)
+    stopped?;
+    searches.as_ref().map_or(Ok(()), |searches| searches.compare(&environment, out))
+}
+
+/// The searches that are done beside the rays.
+struct Checked {
+    parameters: SearchParameters,
+    image: SearchImage,
+    jobs: Vec<u32>,
+}
+
+/// The random jobs of a check.
+const JOBS: usize = 100;
+
+impl Checked {
+    fn new(unit: &UnitNetlist, seed: u64) -> Result<Option<Self>, CliError> {
+        let Some(parameters) = unit.parameters.search.0 else { return Ok(None) };
+        let mut image = SearchImage::new();
+        let jobs = random_searches(seed, JOBS, parameters, &mut image).map_err(CliError::unusable)?;
+        Ok(Some(Self { parameters, image, jobs }))
+    }
+
+    fn traffic(&self, unit: &UnitNetlist, seed: u64) -> SearchTraffic<'_> {
+        let memory_width = unit.parameters.memory_width;
+        let behaviour = SearchBehaviour { latency: BEHAVIOUR.latency, stalls: 16, errors: 0, memory_width };
+        SearchTraffic::new(&self.image, self.jobs.clone(), behaviour, seed)
+    }
+
+    /// Compares the results with those of the functional model.
+    fn compare(&self, environment: &Environment<'_>, out: &mut dyn Write) -> Result<(), CliError> {
+        let Some(searches) = &environment.searches else { return Ok(()) };
+        let (mut neighbours, mut different) = (0, 0);
+        for (number, job) in (0..).zip(&self.jobs) {
+            let expected = search(&self.image, 0, *job, &self.parameters);
+            let bits = |near: &Neighbour| {
+                (near.index, if near.distance.is_nan() { None } else { Some(near.distance.to_bits()) })
+            };
+            let found = searches.replies.get(&number);
+            let is_same = found.is_some_and(|(status, found)| {
+                *status == expected.status && found.iter().map(bits).eq(expected.neighbours.iter().map(bits))
+            });
+            neighbours += expected.neighbours.len();
+            different += usize::from(!is_same);
+        }
+        let count = self.jobs.len();
+        writeln!(out, "Beside them {count} random searches with {neighbours} neighbours: {different} mismatches.")?;
+        if different > 0 {
+            return Err(CliError::Mismatch(format!("netlist and functional model differ for {different} searches")));
+        }
+        Ok(())
+    }
 }

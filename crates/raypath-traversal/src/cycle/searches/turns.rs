@@ -1,6 +1,8 @@
 //! What each search fetches next.
 
+use super::Fifo;
 use super::fetch::{Blocks, Burst};
+use crate::hardware::TURNS_WAITING;
 use crate::search::{Place, SEARCH_BLOCK, SearchJob, SearchParameters};
 
 /// Vectors or indices of a turn.
@@ -23,6 +25,9 @@ pub struct Turns {
     sweep: Option<(u8, usize)>,
     turn: Option<Turn>,
     burst: Option<Pending>,
+    /// The bursts that wait, and their number with that on the way to the output.
+    queue: Fifo<Blocks>,
+    count: u32,
 }
 
 #[derive(Debug, Clone)]
@@ -119,6 +124,8 @@ impl Turns {
             sweep: None,
             turn: None,
             burst: None,
+            queue: Fifo::new(),
+            count: 0,
         }
     }
 
@@ -144,7 +151,10 @@ impl Turns {
     pub fn edge(&mut self, events: &Events) -> TurnsEdge {
         let entered = events.enters.filter(|_| self.can_enter()).map(|_| (!self.in_use).trailing_zeros() as u8);
         let skips = self.burst.is_some_and(Pending::is_skipped);
-        let burst = self.burst.filter(|_| !skips && events.burst_ready);
+        let burst = self.burst.filter(|_| !skips && self.count < TURNS_WAITING);
+        let taken = self.queue.first().copied().filter(|_| events.burst_ready);
+        self.count = self.count + u32::from(burst.is_some()) - u32::from(taken.is_some());
+        self.queue.edge(burst.map(|pending| pending.blocks), taken.is_some());
         let moves = self.burst.is_none() || skips || burst.is_some();
         let remembers = burst.and_then(|pending| Some((pending.blocks, pending.compared?)));
 
@@ -204,7 +214,7 @@ impl Turns {
         if moves {
             self.burst = next;
         }
-        TurnsEdge { burst: burst.map(|pending| pending.blocks), entered }
+        TurnsEdge { burst: taken, entered }
     }
 
     /// The turn that begins in the next cycle, if there is none or one ends.

@@ -1,16 +1,22 @@
 //! What each search fetches next.
 
-use super::super::connect::{Access, Named, hold, keep, named, select};
+use super::super::connect::{Access, Inputs, Named, hold, keep, named, select};
+use super::super::queue::queue;
 use super::super::scheduler::{after_last, lowest};
 use super::fetch::COUNT_BITS;
 use super::list::place_bits;
-use super::wiring::{BLOCK_BITS, BLOCK_SHIFT, Burst, WORDS, bit_of, context_bits, key_of, number_of, one_hot, when};
+use super::wiring::{
+    BLOCK_BITS, BLOCK_SHIFT, BURST_BITS, Burst, WORDS, bit_of, context_bits, key_of, number_of, one_hot, when,
+};
 use crate::search::SearchParameters;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
 /// Vectors or indices of a turn.
 const PER_TURN: u64 = WORDS as u64;
+
+/// Bursts that wait for the fetch.
+pub const WAITING: u32 = 16;
 
 /// Indices in a word of the memory of those that were compared.
 const WAYS: u32 = 8;
@@ -269,8 +275,11 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
         m.concat(&known.iter().map(|(_, way)| way.equals(index)).collect::<Vec<_>>()).any().named("is_known");
     let skips = (is_compared & (is_outside | is_known)).named("skips");
     let offers = (has_burst.wire() & !skips).named("offers");
-    leaves.drive(has_burst.wire() & (skips | burst_ready));
-    writes.drive(offers & is_compared & burst_ready);
+    let count_q = m.register("count_q", WAITING.ilog2() + 1).reset_to(0);
+    let can_push = (!count_q.wire().top()).named("can_push");
+    let pushes = (offers & can_push).named("pushes");
+    leaves.drive(has_burst.wire() & (skips | can_push));
+    writes.drive(pushes & is_compared);
     let new = [index].into_iter().chain(known.iter().map(|(_, way)| *way));
     ways.iter().zip(new).for_each(|(forward, way)| forward.drive(way | sweep.replicate(32)));
     let product = (factor * stride).named("product");
@@ -278,16 +287,26 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let block = base + product.lower(BLOCK_BITS) + offset;
     let block = of_enter.get(1).map_or(block, |(_, base)| m.concat(&[held("upper", *base), block]));
 
+    m.section("Bursts that wait, so that indices which are skipped cost no time");
+    let columns =
+        [("kind", BURST_BITS), ("context", width), ("index", 32), ("block", block.width()), ("count", COUNT_BITS)];
+    let pops = m.forward("pops", 1);
+    let step = m.concat(&[(!pushes & pops.wire()).replicate(count_q.wire().width() - 1), pushes ^ pops.wire()]);
+    count_q.next(count_q.wire() + step);
+    let bursts = [kind, burst_context, index, block, count];
+    let queue = Inputs::default()
+        .port("push", pushes)
+        .ports(columns.iter().zip(bursts).map(|((name, _), wire)| named(name, wire)))
+        .port("pop", pops.wire())
+        .place(m, "u_bursts", &queue("raypath_search_bursts", WAITING, &columns)?);
+    pops.drive(queue.port("valid") & burst_ready);
+
     m.output("enter_ready_o", can_enter);
     m.output("entered_o", enters);
     m.output("entered_context_o", entered);
     m.output("is_idle_o", !in_use.wire().any());
-    m.output("burst_valid_o", offers);
-    m.output("burst_kind_o", kind);
-    m.output("burst_context_o", burst_context);
-    m.output("burst_index_o", index);
-    m.output("burst_block_o", block);
-    m.output("burst_count_o", count);
+    m.output("burst_valid_o", queue.port("valid"));
+    columns.iter().for_each(|(name, _)| m.output(&format!("burst_{name}_o"), queue.port(name)));
     job.outputs(m);
     builder.finish()
 }
