@@ -23,9 +23,9 @@ const NOTHING: u64 = 0xffff_ffff;
 /// `valid_i` is 1, and are taken where `taken_o` is 1. A vector that is in the list, or behind a full list, changes nothing.
 /// What is behind `limit_o` need not come; it is written where `limits_o` is 1. Where `expands_o` is 1, the neighbours of
 /// `index_o` (its lower bits, which select a block) come next in the search of `context_o`: it is the best candidate for
-/// which that was not said. If there is none, and at the last marker, the
-/// neighbours leave, the best first, where `found_valid_o` and `found_ready_i` are 1, and after them the end, with its
-/// status: 0, 1 for a job that is refused, 2 for an error of the memory. The last two have no neighbours.
+/// which that was not said. If there is none, and at the last marker, the neighbours leave, the best first, where
+/// `found_valid_o` and `found_ready_i` are 1, and after them the end, with its status: 0, 1 for a job that is refused, 2 for
+/// an error of the memory. The last two have no neighbours.
 pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_search_list");
     let m = &builder;

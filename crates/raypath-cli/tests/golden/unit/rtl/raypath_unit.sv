@@ -181,9 +181,9 @@ module raypath_unit #(
 
   // ---- The datapath ---------------------------------------------------------
   logic [8:0]              job_tag;
+  logic [1:0]              job_opcode;
   // always of boxes: the memory of their outcomes has a word for each context
   logic                    outcome_ready;
-  logic [1:0]              job_opcode;
   logic                    datapath_output_valid;
   logic [1:0]              datapath_opcode;
   logic [7:0]              datapath_box_index;
