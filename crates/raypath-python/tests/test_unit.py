@@ -237,7 +237,7 @@ def test_parameters(unit: raypath.Unit) -> None:
         "ram_latency": 1,
         "node_limit": 1 << 24,
     }
-    parts = {"instances": False, "nested_instances": False, "queries": "none"}
+    parts = {"instances": False, "nested_instances": False, "queries": "none", "search": "none"}
     parts |= {"parity": False, "front": "counter-clockwise"}
     expected = {**numbers_of, "node": "wide4", **parts}
     assert unit.parameters == expected
