@@ -66,7 +66,7 @@ impl UnitArguments {
     ) -> Result<Vec<(PathBuf, Vec<u8>)>, CliError> {
         let Some(latency) = timing.memory_latency() else { return Ok(Vec::new()) };
         let searches = match self.search {
-            Some(Searches(Some(searches))) => searches,
+            Some(Searches(Some(searches))) => subject.needs.met_by(searches)?,
             Some(Searches(None)) => return Err(CliError::unusable("--search none: expected searches")),
             None => subject.needs.parameters(latency),
         };
@@ -109,6 +109,19 @@ impl UnitArguments {
 }
 
 impl Needs {
+    /// These parameters, if they are as many as are needed.
+    fn met_by(self, searches: SearchParameters) -> Result<SearchParameters, CliError> {
+        let Self { neighbours, candidates, dimensions } = self;
+        let all = [
+            ("k", searches.neighbours, neighbours),
+            ("m", searches.candidates, candidates),
+            ("dimensions", searches.dimensions, dimensions),
+        ];
+        let problem = |(name, found, least)| format!("--search {name}={found}, expected at least {least}");
+        let lacking = all.into_iter().find(|(_, found, least)| (*found as usize) < *least);
+        lacking.map_or(Ok(searches), |lacking| Err(CliError::unusable(problem(lacking))))
+    }
+
     /// The parameters of a unit that has them, and blocks for this latency.
     fn parameters(self, latency: u64) -> SearchParameters {
         let default = SearchParameters::default();
