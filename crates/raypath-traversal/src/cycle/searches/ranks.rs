@@ -28,8 +28,8 @@ pub struct Ranks {
 
 impl Ranks {
     pub fn new(divider_latency: u32) -> Self {
-        // The operands, the quotient and the key are in registers.
-        let line = (0..divider_latency + 3).map(|_| false).collect();
+        // The operands, the quotient, the factors, the product and the key are in registers.
+        let line = (0..divider_latency + 5).map(|_| false).collect();
         Self { sent: Fifo::new(), count: 0, line, keys: Fifo::new() }
     }
 

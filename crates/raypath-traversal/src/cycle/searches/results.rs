@@ -91,13 +91,16 @@ impl Results {
     }
 }
 
+/// Cycles of a product.
+const PRODUCT: u32 = 3;
+
 impl Search {
     /// The cycles of its two operations.
     fn cycles(self) -> u32 {
         let divided = DivSqrt::iterative_latency(Format::BINARY32, RESULTS_DIGITS) + 1;
         match self.metric {
-            SearchMetric::Euclidean => divided + 1,
-            SearchMetric::Dot => 2,
+            SearchMetric::Euclidean => divided + PRODUCT,
+            SearchMetric::Dot => 2 * PRODUCT,
             SearchMetric::Cosine => 2 * divided,
         }
     }

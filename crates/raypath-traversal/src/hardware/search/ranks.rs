@@ -59,12 +59,19 @@ pub fn ranks(parameters: SearchParameters, divider_latency: u32) -> Result<Arc<M
     m.section("Times the magnitude of the dot product");
     let valid = delay_by(1, "has_quotient_q", valid, Some(0));
     let (quotient, tag) = (delay("quotient_q", quotient), delay("tag_q", tag));
-    let (code, sum) = (tag.upper(2), tag.lower(32));
+    let sum = tag.lower(32);
     let encoder = encode(Format::BINARY32)?;
-    let recoded = |name: &str, number| m.instance(name, &encoder, &[("ieee_i", number)])[0];
+    // The encoder, the multiplier and the decoder have a cycle each.
+    let recoded = |name: &str, number| {
+        let recoded = m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", number)])[0];
+        delay(&format!("{name}_recoded_q"), recoded)
+    };
     let magnitude = sum & m.constant(32, 0x7fff_ffff);
-    let factors = [("a_i", recoded("u_encode_quotient", quotient)), ("b_i", recoded("u_encode_sum", magnitude))];
+    let factors = [("a_i", recoded("quotient", quotient)), ("b_i", recoded("sum", magnitude))];
     let product = m.instance("u_multiply", &mul(Format::BINARY32, Product::Booth, false)?, &factors)[0];
+    let product = delay("product_q", product);
+    let tag = delay_by(2, "product_tag_q", tag, None);
+    let (code, sum) = (tag.upper(2), tag.lower(32));
     let product = m.instance("u_decode_product", &decode(Format::BINARY32)?, &[("recoded_i", product)])[0];
 
     m.section("The key of the rank");
@@ -75,7 +82,7 @@ pub fn ranks(parameters: SearchParameters, divider_latency: u32) -> Result<Arc<M
     let sign = (rank.top() ^ is_negated) & rest.any();
     let key = delay("key_q", key_of(m.concat(&[sign, rest])));
     let is_rank = delay("is_rank_q", !m.constant(31, 0x7f80_0000).less(rest));
-    let has_key = delay_by(1, "has_key_q", valid, Some(0));
+    let has_key = delay_by(3, "has_key_q", valid, Some(0));
     let columns = [("key", 32), ("is_rank", 1)];
     let pops_key = m.forward("pops_key", 1);
     let keys = Inputs::default()

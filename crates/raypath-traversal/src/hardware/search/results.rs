@@ -1,6 +1,6 @@
 //! The distances of neighbours, and the channel of results.
 
-use super::super::connect::{Inputs, hold, keep, named};
+use super::super::connect::{Inputs, delay, delay_by, hold, keep, named};
 use super::super::queue::queue;
 use super::wiring::{context_bits, rank_of_key};
 use crate::search::SearchParameters;
@@ -91,8 +91,11 @@ pub fn results(parameters: SearchParameters, id_width: u32) -> Result<Arc<Module
     let recoded = |name: &str, number| m.instance(name, &encoder, &[("ieee_i", number)])[0];
     let other = is_scaled.mux(scale, rank_of_key(norm_key));
     let (a, b) = (recoded("u_encode_operand", operand), recoded("u_encode_other", other));
-    let product =
-        m.instance("u_multiply", &mul(Format::BINARY32, Product::Booth, false)?, &[("a_i", a), ("b_i", b)])[0];
+    // The encoder, the multiplier and the decoder have a cycle each.
+    let factors = [("a_i", delay("operand_recoded_q", a)), ("b_i", delay("other_recoded_q", b))];
+    let product = m.instance("u_multiply", &mul(Format::BINARY32, Product::Booth, false)?, &factors)[0];
+    let product = delay("product_q", product);
+    let has_product = delay_by(2, "has_product_q", works & is_scaled, Some(0));
     let is_root = !is_cosine | is_second.wire();
     let root = Inputs::default()
         .port("valid", works & !is_scaled)
@@ -104,8 +107,8 @@ pub fn results(parameters: SearchParameters, id_width: u32) -> Result<Arc<Module
     let has_root = (root.port("valid") & waits.wire()).named("has_root");
     let result = has_root.mux(root.port("result"), product);
     let result = m.instance("u_decode_result", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0];
-    let has_result = ((works & is_scaled) | has_root).named("has_result");
-    waits.next((works & !is_scaled & root.port("ready")) | (waits.wire() & !has_root));
+    let has_result = (has_product | has_root).named("has_result");
+    waits.next((works & (is_scaled | root.port("ready"))) | (waits.wire() & !has_result));
     is_fresh.next(take | (is_fresh.wire() & !has_result));
     is_second.next((is_second.wire() ^ has_result) & busy.wire());
     is_done.next((has_result & is_second.wire()) | (is_done.wire() & !leaves.wire()));
