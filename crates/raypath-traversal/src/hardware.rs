@@ -36,7 +36,7 @@ pub(crate) use decoder::LATENCY as DECODER_LATENCY;
 pub use names::UnitParameter;
 pub use parameters::{UnitParameters, UnitParametersError};
 pub(crate) use search::{
-    FILTER_WAITING, LIST_PER_WORD, RANKS_IN_FLIGHT, RESULTS_DIGITS, RESULTS_WAITING, TURNS_WAITING,
+    Burst, FILTER_WAITING, LIST_PER_WORD, Phase, RANKS_IN_FLIGHT, RESULTS_DIGITS, RESULTS_WAITING, TURNS_WAITING,
 };
 pub use search::{SearchPorts, search_engine};
 pub use top::{UnitNetlist, fixed_parameters};

@@ -11,10 +11,10 @@ mod results;
 mod turns;
 
 use crate::engine::{SearchInputs, SearchOutputs};
-use crate::hardware::SearchPorts;
+use crate::hardware::{Burst, SearchPorts};
 use crate::search::SearchParameters;
 use beats::Beats;
-use fetch::{Burst, Fetch};
+use fetch::Fetch;
 use list::{List, ListEdge};
 use ranks::{Filter, Ranks};
 use raypath_ops::JobKind;

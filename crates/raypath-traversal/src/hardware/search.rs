@@ -22,4 +22,5 @@ pub(crate) use filter::WAITING as FILTER_WAITING;
 pub(crate) use list::PER_WORD as LIST_PER_WORD;
 pub(crate) use ranks::IN_FLIGHT as RANKS_IN_FLIGHT;
 pub(crate) use results::{DIGITS as RESULTS_DIGITS, WAITING as RESULTS_WAITING};
-pub(crate) use turns::WAITING as TURNS_WAITING;
+pub(crate) use turns::{Phase, WAITING as TURNS_WAITING};
+pub(crate) use wiring::Burst;

@@ -1,8 +1,9 @@
 //! The beats of vectors, and where other blocks go.
 
 use super::Beat;
-use super::fetch::{Block, Burst, Entry};
+use super::fetch::{Block, Entry};
 use super::ranks::Sent;
+use crate::hardware::Burst;
 use crate::search::{Elements, SearchMetric, SearchParameters, Shape, key_of, rank_of, sums};
 
 #[derive(Debug, Clone)]

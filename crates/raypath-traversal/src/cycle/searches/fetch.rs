@@ -2,29 +2,8 @@
 
 use super::Fifo;
 use crate::engine::{BlockRequest, Response};
+use crate::hardware::Burst;
 use crate::search::{SEARCH_BLOCK, SearchParameters};
-
-/// What a burst fetches, or which marker it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Burst {
-    Job,
-    Query,
-    Norm,
-    List,
-    Vector,
-    Expand,
-    Drain,
-}
-
-impl Burst {
-    pub fn is_marker(self) -> bool {
-        matches!(self, Self::Expand | Self::Drain)
-    }
-
-    pub fn is_vector(self) -> bool {
-        matches!(self, Self::Norm | Self::Vector)
-    }
-}
 
 /// Blocks that follow each other, or a marker.
 #[derive(Debug, Clone, Copy)]

@@ -1,8 +1,7 @@
 //! The best candidates of each search, sorted.
 
 use super::Item;
-use super::fetch::Burst;
-use crate::hardware::LIST_PER_WORD;
+use crate::hardware::{Burst, LIST_PER_WORD};
 use crate::search::{SearchParameters, SearchStatus, key_of};
 
 const PER_WORD: usize = LIST_PER_WORD as usize;

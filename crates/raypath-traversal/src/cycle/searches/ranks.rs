@@ -1,8 +1,7 @@
 //! The ranks of vectors, and those that are kept.
 
-use super::fetch::Burst;
 use super::{Fifo, Item};
-use crate::hardware::{FILTER_WAITING, RANKS_IN_FLIGHT};
+use crate::hardware::{Burst, FILTER_WAITING, RANKS_IN_FLIGHT};
 use crate::search::SearchParameters;
 use std::collections::VecDeque;
 

@@ -1,8 +1,8 @@
 //! What each search fetches next.
 
 use super::Fifo;
-use super::fetch::{Blocks, Burst};
-use crate::hardware::TURNS_WAITING;
+use super::fetch::Blocks;
+use crate::hardware::{Burst, Phase, TURNS_WAITING};
 use crate::search::{Place, SEARCH_BLOCK, SearchJob, SearchParameters};
 
 /// Vectors or indices of a turn.
@@ -50,16 +50,6 @@ struct State {
     number: u32,
     left: u32,
     spent: u32,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Phase {
-    Enter,
-    Begin,
-    Scan,
-    List,
-    Neighbours,
-    Expand,
 }
 
 #[derive(Debug, Clone, Copy)]

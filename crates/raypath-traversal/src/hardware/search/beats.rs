@@ -53,7 +53,7 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
         [(Burst::Job, "is_job"), (Burst::Query, "is_query"), (Burst::Norm, "is_norm"), (Burst::List, "is_list")]
             .map(|(burst, name)| is(burst, name));
     let is_vector = is_norm | is(Burst::Vector, "is_vector");
-    let is_marker = (busy.wire() & Burst::is_marker(kind)).named("is_marker");
+    let is_marker = (busy.wire() & Burst::marks(kind)).named("is_marker");
     keeps_query.drive(is_query);
 
     m.section("The searches of which a block has failed");

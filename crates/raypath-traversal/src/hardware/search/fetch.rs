@@ -45,7 +45,7 @@ pub fn fetch(parameters: SearchParameters, memory_width: u32, address_width: u32
     let one = |width| m.constant(width, 1);
     block.next_when(enters | pushes.wire(), enters.mux(first_block, block.wire() + one(block_bits)));
     left.next_when(enters | pushes.wire(), enters.mux(count, left.wire() - one(COUNT_BITS)));
-    let is_marker = Burst::is_marker(held[0]).named("is_marker");
+    let is_marker = Burst::marks(held[0]).named("is_marker");
     let is_last = (is_marker | left.wire().is(1)).named("is_last");
 
     m.section("The queue");

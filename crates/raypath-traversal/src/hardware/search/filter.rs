@@ -42,7 +42,7 @@ pub fn filter(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
 
     m.section("It is kept or dropped");
     let is_too_far = limit[0].1.less(m.concat(&[held[3], held[2]])).named("is_too_far");
-    let keeps = (is_taken & (Burst::is_marker(held[0]) | (is_rank & !is_too_far))).named("keeps");
+    let keeps = (is_taken & (Burst::marks(held[0]) | (is_rank & !is_too_far))).named("keeps");
     let drops = (is_taken & !keeps).named("drops");
     // The words that are in the queue or on the way to it.
     let leaves = m.concat(&[m.constant(1, 0), pops.wire()]) + m.concat(&[m.constant(1, 0), drops]);

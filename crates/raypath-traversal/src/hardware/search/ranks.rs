@@ -42,7 +42,7 @@ pub fn ranks(parameters: SearchParameters, divider_latency: u32) -> Result<Arc<M
         .port("pop", pops.wire())
         .place(m, "u_sent", &queue("raypath_search_sent", IN_FLIGHT, &fields)?);
 
-    let is_vector = sent & !Burst::is_marker(of_sent_kind);
+    let is_vector = sent & !Burst::marks(of_sent_kind);
     let code = Inputs::default().port("push", is_vector).port("code", next_code).port("pop", valid).place(
         m,
         "u_codes",
@@ -94,7 +94,7 @@ pub fn ranks(parameters: SearchParameters, divider_latency: u32) -> Result<Arc<M
 
     m.section("The first of them");
     let kind = first.port("kind");
-    let is_marker = Burst::is_marker(kind).named("is_marker");
+    let is_marker = Burst::marks(kind).named("is_marker");
     let is_norm = Burst::Norm.is(kind).named("is_norm");
     let is_there = (first.port("valid") & (is_marker | keys.port("valid"))).named("is_there");
     let offers = (is_there & !is_norm).named("offers");

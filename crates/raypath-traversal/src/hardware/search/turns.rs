@@ -22,8 +22,8 @@ pub const WAITING: u32 = 16;
 const WAYS: u32 = 8;
 
 /// The phases of a search. What comes in its next turn:
-#[derive(Clone, Copy)]
-enum Phase {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
     /// The job is asked for.
     Enter,
     /// The query.

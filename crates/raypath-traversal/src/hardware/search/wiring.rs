@@ -47,8 +47,18 @@ impl Burst {
     }
 
     /// Whether a word is that of a marker.
-    pub fn is_marker(kind: Wire<'_>) -> Wire<'_> {
+    pub fn marks(kind: Wire<'_>) -> Wire<'_> {
         Self::Expand.is(kind) | Self::Drain.is(kind)
+    }
+
+    /// Whether it is a marker.
+    pub fn is_marker(self) -> bool {
+        matches!(self, Self::Expand | Self::Drain)
+    }
+
+    /// Whether it is a vector, or the query as one.
+    pub fn is_vector(self) -> bool {
+        matches!(self, Self::Norm | Self::Vector)
     }
 }
 
