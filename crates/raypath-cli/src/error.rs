@@ -90,7 +90,6 @@ unusable!(
     raypath_embed::Error,
     raypath_hdl::wave::WaveError,
     raypath_search::SearchError,
-    raypath_search::TimingError,
     raypath_timing::SimulationError
 );
 

@@ -3,23 +3,17 @@
 use crate::array::matrix;
 use crate::datapath::Datapath;
 use crate::error::value_error;
-use crate::timing::{figures, plain, system};
+use crate::timing::plain;
 use crate::watch::watched;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use raypath_search::{
-    Candidates, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbour, SearchResults, SearchSpec, Vectors,
-    time_search,
-};
-use raypath_timing::{Sample, System, Timing};
+use raypath_search::{Exact, Graph, GraphParameters, LaneCount, Metric, Neighbour, SearchResults, Vectors};
 
-/// The neighbours of m queries, and their simulated timing.
+/// The neighbours of m queries.
 #[pyclass(module = "raypath", frozen)]
 pub struct Search {
     results: SearchResults,
     k: usize,
-    timing: Option<(Timing, System)>,
 }
 
 #[pymethods]
@@ -56,12 +50,6 @@ impl Search {
         self.results.seconds
     }
 
-    /// The figures of the simulation (see ``raypath.render``), or None without ``timed``. An agent is a query.
-    #[getter]
-    fn timing<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        self.timing.as_ref().map(|(timing, system)| figures(py, timing, system)).transpose()
-    }
-
     fn __repr__(&self) -> String {
         format!("<raypath.Search: {} neighbours of {} queries>", self.k, self.results.rows.len())
     }
@@ -80,12 +68,10 @@ impl Search {
     }
 }
 
-/// Finds the nearest vectors of each query with the distance operations of a datapath; with ``timed``, also
-/// simulates the timing.
+/// Finds the nearest vectors of each query with the distance operations of a datapath.
 ///
 /// The work is that of ``raypath search``: the sums of a distance are jobs of the datapath; square root, division and
-/// selection are done in software and take no time in the simulation. The simulation keeps ``queries_in_flight``
-/// queries before the pipeline, and every fetch of a vector takes ``memory_latency`` cycles.
+/// selection are done in software. ``raypath.Unit.search`` does all in the unit.
 ///
 /// Args:
 ///     vectors: float32 array of shape (n, k): finite coordinates of 1 to 65,536 dimensions.
@@ -98,13 +84,9 @@ impl Search {
 ///     ef: the number of candidates kept during a search of the graph, k to 65,536; 5 * k by default.
 ///     seed: the seed of the graph.
 ///     datapath: a datapath in fp32 without features; the preset ``paper`` by default.
-///     queries_in_flight: the number of queries in flight in the simulation, at least 1.
-///     memory_latency: cycles of a fetch in the simulation.
-///     timed: the number of queries that are simulated, the first ones; none by default.
 ///
 /// Returns:
-///     The neighbours (``ids``, ``distances``), the work (``evaluations``, ``beats``, ``seconds``) and the ``timing``,
-///     as that of ``raypath.render``.
+///     The neighbours (``ids``, ``distances``) and the work (``evaluations``, ``beats``, ``seconds``).
 ///
 /// Raises:
 ///     ValueError: another type or shape; a coordinate that is not finite; an argument out of range; a datapath without
@@ -119,8 +101,7 @@ impl Search {
 ///     (array([[0, 2, 1]]), array([[0., 1., 5.]]))
 #[pyfunction]
 #[pyo3(signature = (vectors, queries, k = 10, *, metric = "euclidean", index = None, connections = 16,
-    ef_construction = 200, ef = None, seed = 1, datapath = None, queries_in_flight = 32, memory_latency = 100,
-    timed = 0))]
+    ef_construction = 200, ef = None, seed = 1, datapath = None))]
 #[allow(clippy::too_many_arguments)] // keywords of Python
 pub fn search(
     py: Python<'_>,
@@ -134,9 +115,6 @@ pub fn search(
     ef: Option<usize>,
     seed: u64,
     datapath: Option<&Bound<'_, Datapath>>,
-    queries_in_flight: usize,
-    memory_latency: u64,
-    timed: usize,
 ) -> PyResult<Search> {
     let datapath = plain(datapath)?;
     let graph = match index {
@@ -159,8 +137,6 @@ pub fn search(
             }
             ef => ef.unwrap_or(5 * k),
         },
-        system: system(&datapath, queries_in_flight, memory_latency),
-        timed,
     };
     watched(py, |progress| work.run(progress))
 }
@@ -173,13 +149,11 @@ struct Work {
     lanes: LaneCount,
     graph: Option<GraphParameters>,
     ef: usize,
-    system: System,
-    timed: usize,
 }
 
 impl Work {
     fn run(self, progress: &(dyn Fn(u64) -> bool + Sync)) -> PyResult<Search> {
-        let Self { base, queries, k, metric, lanes, graph, ef, system, timed } = self;
+        let Self { base, queries, k, metric, lanes, graph, ef } = self;
         let graph = graph.map(|parameters| Graph::build(&base, metric, lanes, &parameters, progress));
         let graph = graph.transpose().map_err(value_error)?;
         let results = match &graph {
@@ -187,19 +161,7 @@ impl Work {
             Some(graph) => graph.search(&queries, k, ef, progress),
         };
         let results = results.map_err(value_error)?;
-        if timed == 0 {
-            return Ok(Search { results, k, timing: None });
-        }
-        let first = queries.first(timed);
-        let traced = |graph: Graph<'_>| graph.traces(&first, k, ef, u64::MAX, progress);
-        let traces = graph.map(traced).transpose().map_err(value_error)?;
-        let candidates = match &traces {
-            Some(traces) => Candidates::Traced(traces),
-            None => Candidates::All { count: k },
-        };
-        let spec = SearchSpec { base: &base, queries: &queries, metric, lanes, candidates };
-        let (timing, _) = time_search(&spec, Sample::first(timed), &system, &mut (), progress).map_err(value_error)?;
-        Ok(Search { results, k, timing: Some((timing, system)) })
+        Ok(Search { results, k })
     }
 }
 

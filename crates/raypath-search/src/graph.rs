@@ -26,23 +26,6 @@ pub struct Graph<'v> {
     built: Work,
 }
 
-/// The trace of a graph search for one query, which a [`QueryAgent`](crate::QueryAgent) replays.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct SearchTrace {
-    /// The vectors whose distances were evaluated, in order. A vector can occur in several layers of the graph.
-    pub candidates: Vec<u32>,
-    /// The neighbours found, nearest first; candidates of upper layers, which only guide the search, may be nearer.
-    pub found: Vec<u32>,
-}
-
-impl SearchTrace {
-    /// The work for vectors of dimension `dimensions`, with the norm of the query for the angular metric.
-    pub fn work(&self, metric: Metric, lanes: LaneCount, dimensions: usize) -> Work {
-        let norms = u64::from(metric == Metric::Angular);
-        Work::of(self.candidates.len() as u64 + norms, metric, lanes, dimensions)
-    }
-}
-
 /// The parameters of a graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GraphParameters {
@@ -134,8 +117,7 @@ impl<'v> Graph<'v> {
             if progress.is_stopped() {
                 return Vec::new();
             }
-            let mut own = self.distances.norm_evaluations();
-            let row = self.row(query, count, ef, scratch, |_| own += 1);
+            let (row, own) = self.row(query, count, ef, scratch);
             evaluations.fetch_add(own, Ordering::Relaxed);
             progress.add(1);
             row
@@ -149,68 +131,19 @@ impl<'v> Graph<'v> {
         Ok(SearchResults { rows, work, seconds: began.elapsed().as_secs_f64() })
     }
 
-    /// The trace of a search for the `count` nearest neighbours of one query.
-    ///
-    /// # Errors
-    /// The errors of [`search`](Self::search), and an invalid query vector.
-    pub fn trace(&self, query: &[f32], count: usize, ef: usize) -> Result<SearchTrace, SearchError> {
-        let query = Vectors::new(query.len(), query.to_vec())?;
-        let mut traces = self.traces(&query, count, ef, u64::MAX, &|_| true)?;
-        Ok(traces.pop().unwrap_or_default())
-    }
-
-    /// The traces of the first queries, as many as have at most `beats` beats in total. `progress` gets the number of
-    /// traces.
-    ///
-    /// # Errors
-    /// The errors of [`search`](Self::search).
-    pub fn traces(
-        &self,
-        queries: &Vectors,
-        count: usize,
-        ef: usize,
-        beats: u64,
-        progress: Progress,
-    ) -> Result<Vec<SearchTrace>, SearchError> {
-        let Distances { base, metric, lanes, .. } = self.distances;
-        check(base.dimensions(), base.len(), queries.dimensions(), count)?;
-        in_ef_range(ef, count)?;
-        let (mut traces, mut left, mut scratch) = (Vec::new(), beats, Scratch::new(base.len()));
-        for query in queries.iter() {
-            let mut candidates = Vec::new();
-            let row = self.row(query, count, ef, &mut scratch, |candidate| candidates.push(candidate));
-            let trace = SearchTrace { candidates, found: row.iter().map(|near| near.index).collect() };
-            match left.checked_sub(trace.work(metric, lanes, base.dimensions()).beats) {
-                Some(rest) => left = rest,
-                None => break,
-            }
-            traces.push(trace);
-            if !progress(traces.len() as u64) {
-                return Err(SearchError::Stopped);
-            }
-        }
-        Ok(traces)
-    }
-
-    /// The neighbours of a query. `evaluated` gets each vector whose distance was computed.
-    fn row(
-        &self,
-        query: &[f32],
-        count: usize,
-        ef: usize,
-        scratch: &mut Scratch,
-        mut evaluated: impl FnMut(u32),
-    ) -> Vec<Neighbour> {
+    /// The neighbours of a query, and the number of distances that were computed.
+    fn row(&self, query: &[f32], count: usize, ef: usize, scratch: &mut Scratch) -> (Vec<Neighbour>, u64) {
         let norm = kernel::query_norm(self.distances.metric, self.distances.lanes, query);
+        let mut evaluations = self.distances.norm_evaluations();
         let mut distance = |candidate| {
-            evaluated(candidate);
+            evaluations += 1;
             self.distances.eval(query, norm, candidate)
         };
         let found = dispatch!(self.distances.level, _simd => self.graph.search(ef, scratch, &mut distance));
         let exactly = |index| Neighbour { index, distance: self.distances.exactly(query, norm, index) };
         let mut row: Vec<Neighbour> = found.iter().take(count).map(|near| exactly(near.item())).collect();
         row.sort();
-        row
+        (row, evaluations)
     }
 }
 

@@ -2,8 +2,8 @@
 //!
 //! A vector of any dimension enters the datapath as beats of 16 Euclidean or 8 angular lanes, and leaves as accumulated
 //! sums. Square root and division are outside the datapath. [`Exact`] compares a query with every vector, a [`Graph`]
-//! with few. [`Dataset`] reads vectors from files, [`Clusters`] generates them. [`time_search`] runs a search through a
-//! cycle-exact model of the pipeline and counts cycles. [`UnitJobs`] are jobs for the unit's models.
+//! with few. [`Dataset`] reads vectors from files, [`Clusters`] generates them. [`UnitJobs`] are jobs for the unit's
+//! models.
 //!
 //! ```
 //! use raypath_search::{Exact, LaneCount, Metric, Vectors};
@@ -17,32 +17,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod agent;
 mod error;
 mod exact;
 mod files;
 mod generated;
 mod graph;
 mod hnsw;
+mod jobs;
 mod kernel;
 mod lanes;
 mod metric;
 mod recall;
 mod results;
-mod timing;
 mod unit;
 mod vectors;
 
-pub use agent::QueryAgent;
 pub use error::SearchError;
 pub use exact::Exact;
 pub use files::{Dataset, FileError, read_neighbours, read_vectors, write_fvecs, write_ivecs};
 pub use generated::Clusters;
-pub use graph::{Graph, GraphParameters, SearchTrace};
+pub use graph::{Graph, GraphParameters};
+pub use jobs::distance_jobs;
 pub use lanes::LaneCount;
 pub use metric::{Metric, ParseMetricError, cosine_distance, euclidean_distance};
 pub use recall::recall;
 pub use results::{Neighbour, SearchResults, Work};
-pub use timing::{Candidates, SearchSpec, TimingError, search_jobs, sweep_search, time_search};
 pub use unit::{ParseStoredAsError, SearchMemory, StoredAs, UnitJobs, UnitSearch, UnitTiming};
 pub use vectors::{DataError, MAX_DIMENSIONS, Neighbours, Vectors};

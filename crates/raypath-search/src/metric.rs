@@ -1,4 +1,5 @@
 use crate::LaneCount;
+use raypath_ops::JobKind;
 
 /// The distance by which neighbours are ordered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -12,6 +13,14 @@ pub enum Metric {
 impl Metric {
     /// Both metrics.
     pub const ALL: [Self; 2] = [Self::Euclidean, Self::Angular];
+
+    /// The operation of the datapath.
+    pub fn kind(self) -> JobKind {
+        match self {
+            Self::Euclidean => JobKind::Euclidean,
+            Self::Angular => JobKind::Angular,
+        }
+    }
 
     /// The number of lanes of this metric.
     pub(crate) fn lanes(self, lanes: LaneCount) -> usize {

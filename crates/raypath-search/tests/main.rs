@@ -6,5 +6,4 @@ mod distance;
 mod files;
 mod graph;
 mod recall;
-mod timing;
 mod unit;

@@ -17,7 +17,7 @@ mod replay;
 mod scene;
 mod search;
 mod stream;
-mod timed;
+mod unit_sweep;
 mod utilisation;
 #[cfg_attr(not(feature = "verify"), path = "of_checkout.rs")]
 mod verify;
@@ -30,7 +30,6 @@ use measuring::BenchArguments;
 use memory::MemoryArguments;
 use progress::watched;
 use stream::StreamArguments;
-use timed::{Subject, Timed, TimingArguments};
 use view::{ViewArguments, print, print_rows, recording, write_and_name};
 
 use crate::error::CliError;

@@ -5,7 +5,7 @@ mod scene;
 mod timing;
 mod unit;
 
-use crate::commands::full::{DivisionArguments, MemoryArguments, Timed, TimingArguments, write_and_name};
+use crate::commands::full::{DivisionArguments, MemoryArguments, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use divided::Divided;
@@ -21,7 +21,7 @@ use scene::CameraArguments;
 pub use scene::Shown;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use timing::{Simulated, Work};
+use timing::{Simulated, Timed, TimingArguments, Work};
 use unit::UnitTimingArguments;
 
 #[derive(Debug, Args)]

@@ -1,12 +1,9 @@
-//! `raypath search`: nearest-neighbour search with the distance operations, and its simulated timing.
+//! `raypath search`: nearest-neighbour search with the distance operations, and by jobs of the unit.
 
 mod saved;
-mod timing;
 mod unit;
 
-use crate::commands::full::{
-    DivisionArguments, MemoryArguments, Timed, TimingArguments, print_rows, watched, write_and_name,
-};
+use crate::commands::full::{DivisionArguments, MemoryArguments, print_rows, watched, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
@@ -17,7 +14,6 @@ use raypath_search::{
     Work, recall, write_ivecs,
 };
 use raypath_timing::Progress;
-use raypath_timing::report::Table;
 use saved::SavedResults;
 use std::io::Write;
 use std::ops::Range;
@@ -41,7 +37,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "index")]
     exact: bool,
     /// Search by jobs of the unit, in its functional model, and time them in its cycle-exact model
-    #[arg(long, value_enum, conflicts_with_all = ["shard", "part", "merge", "queries_in_flight", "report", "konata"])]
+    #[arg(long, value_enum, conflicts_with_all = ["shard", "part", "merge"])]
     through: Option<Through>,
     /// The elements of vectors in the unit's memory
     #[arg(long, requires = "through", default_value = "binary32", value_name = "binary32|binary16|int8")]
@@ -67,16 +63,8 @@ pub struct Arguments {
     /// Seed of generated vectors and of the graph
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
-    /// Queries in flight in the simulation
-    #[arg(long, conflicts_with = "no_timing", default_value_t = 32, value_parser = whole(1..=1usize << 20), value_name = "R")]
-    queries_in_flight: usize,
-    /// Simulate the first N queries [default: as many as take five million beats]
-    #[arg(long, value_parser = whole(1..=usize::MAX), value_name = "N")]
-    timed: Option<usize>,
     #[command(flatten)]
     unit: unit::UnitArguments,
-    #[command(flatten)]
-    timing: TimingArguments,
     #[command(flatten)]
     memory: MemoryArguments,
     #[command(flatten)]
@@ -115,8 +103,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let dataset = arguments.dataset()?;
     let metric = arguments.metric.or(dataset.metric).unwrap_or(Metric::Euclidean);
     let (base, queries) = (&dataset.base, &dataset.queries);
-    let found = format!("{} vectors of {} dimensions", base.len(), base.dimensions());
-    writeln!(out, "{found}, {} queries, {metric} distance", queries.len())?;
+    let searched = format!("{} vectors of {} dimensions", base.len(), base.dimensions());
+    writeln!(out, "{searched}, {} queries, {metric} distance", queries.len())?;
     let graph = match arguments.index {
         None => None,
         Some(_) if arguments.division.is_divided() => {
@@ -157,7 +145,6 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     writeln!(out)?;
     print_rows(&rows, out)?;
     writeln!(out)?;
-
     let mut files = Vec::new();
     if let Some(path) = &arguments.out {
         let mut bytes = Vec::new();
@@ -165,31 +152,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         files.push((path.clone(), bytes));
     }
     if let Some((jobs, found)) = &of_unit {
-        let of_query = (found.results.work.beats / (queries.len().max(1) as u64)).max(1);
-        let timed = arguments.timed.unwrap_or((timing::BEATS / of_query).max(1) as usize).min(queries.len());
         let candidates = if graph.is_some() { arguments.ef() } else { arguments.k };
         let needs = unit::Needs { neighbours: arguments.k, candidates, dimensions: base.dimensions() };
-        let subject = unit::Subject { jobs, found, timed, needs };
-        files.extend(arguments.unit.time(&subject, &arguments.timing, config, out)?);
-        return write_and_name(&files, out);
-    }
-    let subject = timing::Queries {
-        name: arguments.name(),
-        dataset: &dataset,
-        metric,
-        neighbours: arguments.k,
-        ef: arguments.ef(),
-        graph: graph.as_ref(),
-        lanes,
-        max: arguments.timed,
-    };
-    let timed = arguments.timing.run(&subject, arguments.queries_in_flight, config, out)?;
-    if let Some(Timed { mut recording, files: more }) = timed {
-        let head = ["what", "value"].map(str::to_string).to_vec();
-        let rows = rows.into_iter().map(|(label, value)| vec![label, value]).collect();
-        recording.tables.push(Table { title: "The search".to_string(), head, rows });
-        files.extend(more);
-        files.extend(arguments.timing.view.files(&recording));
+        let title = format!("{}: {} nearest of {searched}, {metric}", arguments.name(), arguments.k);
+        let subject = unit::Subject { title, metric, jobs, found, needs, rows: &rows };
+        files.extend(arguments.unit.time(&subject, config, out)?);
     }
     write_and_name(&files, out)
 }

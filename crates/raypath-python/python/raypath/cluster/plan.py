@@ -32,7 +32,7 @@ TIMING = (
 WHOLE = {
     "verify": ("--out",),
     "explore": ("--out", "--budget", "--batch"),
-    "search": ("--out", "--truth", "--queries-in-flight", *TIMING),
+    "search": ("--out", "--truth"),
     "render": ("--out", "--heatmap", "--rays-in-flight", *TIMING),
 }
 """Options with a value that matter to the whole result only: shards do not get them, so that they share results."""

@@ -10,7 +10,7 @@ use raypath_model::{OperationId, WordModel, Words};
 use raypath_ops::JobKind;
 use raypath_render::{PictureSpec, Shading, Tracing, picture_jobs};
 use raypath_rtl::{Config, Lanes};
-use raypath_search::{Candidates, Clusters, LaneCount, Metric, SearchSpec, Vectors, read_vectors, search_jobs};
+use raypath_search::{Clusters, Metric, Vectors, distance_jobs, read_vectors};
 use raypath_sim::jobs;
 use raypath_sim::transactions;
 use raypath_timing::{Environment, Sample, System};
@@ -141,12 +141,7 @@ impl JobArguments {
         metric: Metric,
     ) -> Result<Vec<Words>, CliError> {
         let (base, queries) = self.searched()?;
-        let candidates = Candidates::All { count: 1 };
-        let lanes = LaneCount::of(E).unwrap_or_default();
-        let spec = SearchSpec { base: &base, queries: &queries, metric, lanes, candidates };
-        let jobs = watched("queries", queries.len(), |progress| {
-            search_jobs::<E, A>(&spec, Sample::ALL, &System::default(), progress)
-        })?;
+        let jobs = distance_jobs::<E, A>(&base, &queries, metric).map_err(CliError::unusable)?;
         Ok(jobs.iter().filter_map(|job| model.paper_job(job)).collect())
     }
 

@@ -1,14 +1,15 @@
 //! Simulated timing through the traversal unit.
 
-use super::timing::Work;
-use crate::commands::full::{TimingArguments, print_rows, watched};
+use super::timing::{TimingArguments, Work};
+use crate::commands::full::unit_sweep::{Point, UnitSweep, grid};
+use crate::commands::full::{print_rows, watched};
 use crate::commands::unit::UnitArguments;
 use crate::{CliError, whole};
 use clap::{ArgGroup, Args};
 use rayon::prelude::*;
 use raypath_render::{UnitSystem, time_picture_through_unit, time_rays_through_unit};
 use raypath_rtl::Config;
-use raypath_timing::{Panel, Plot, Progress, Sample, Series};
+use raypath_timing::{Progress, Sample};
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::system::{CacheCounts, CacheParameters, SystemParameters, SystemTiming};
 use raypath_traversal::{UnitNetlist, UnitParameters};
@@ -117,13 +118,9 @@ pub fn time(
     rows.extend(results(&found, timing.clock()));
     print_rows(&rows, out)?;
     let Some(path) = timing.sweep() else { return Ok(Vec::new()) };
-    let points = sweep(work, system)?;
-    writeln!(out, "\n  bits  latency  contexts  jobs/cycle  bound  ratio")?;
-    for Swept { width, latency, contexts, reached, bound } in &points {
-        let ratio = reached / bound;
-        writeln!(out, "{width:>6} {latency:>8} {contexts:>9} {reached:>11.3} {bound:>6.3} {ratio:>6.3}")?;
-    }
-    Ok(vec![(path.clone(), plot(&points, widths(system)).svg().into_bytes())])
+    let swept = sweep(work, system)?;
+    swept.print(out)?;
+    Ok(vec![(path.clone(), swept.svg().into_bytes())])
 }
 
 fn run(
@@ -175,24 +172,9 @@ fn widths(system: &UnitSystem) -> [u32; 3] {
     WIDTHS.map(|width| width * nodes.block_bytes() / NodeKind::Wide4.block_bytes())
 }
 
-/// A point of a sweep.
-struct Swept {
-    width: u32,
-    latency: u64,
-    contexts: u32,
-    /// Jobs per cycle.
-    reached: f64,
-    bound: f64,
-}
-
 /// The jobs per cycle over contexts, latencies and widths, with the bound of each point.
-fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Vec<Swept>, CliError> {
-    let points: Vec<(u32, u64, u32)> = widths(system)
-        .iter()
-        .flat_map(|width| {
-            LATENCIES.iter().flat_map(move |latency| CONTEXTS.map(|contexts| (*width, *latency, contexts)))
-        })
-        .collect();
+fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<UnitSweep, CliError> {
+    let points = grid(widths(system), LATENCIES, CONTEXTS);
     let count = work.count();
     let swept = Sample::spread(count, SWEPT);
     let alone = Sample::spread(count, ALONE);
@@ -202,7 +184,7 @@ fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Vec<Swept>, CliError> {
         let around = SystemParameters { latency, ..system.around };
         UnitSystem { shape: system.shape.clone(), unit, around, in_flight }
     };
-    watched(work.label(["pixels swept", "rays swept"]), total, |progress| {
+    let points = watched(work.label(["pixels swept", "rays swept"]), total, |progress| {
         let completed = AtomicU64::new(0);
         let point = |point: &(u32, u64, u32)| {
             let counted = AtomicU64::new(0);
@@ -213,30 +195,11 @@ fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Vec<Swept>, CliError> {
             let found = run(work, swept, &at(*point, 2 * point.2 as usize), &count)?;
             let lone = run(work, alone, &at(*point, 1), &|_| progress(completed.load(Ordering::Relaxed)))?;
             let (reached, bound) = (found.jobs_per_cycle(), bound(&found, &lone, point.2));
-            Ok(Swept { width: point.0, latency: point.1, contexts: point.2, reached, bound })
+            Ok(Point { width: point.0, latency: point.1, contexts: point.2, reached, bound })
         };
         points.par_iter().map(point).collect::<Result<Vec<_>, raypath_render::PictureError>>()
-    })
-}
-
-fn plot(points: &[Swept], widths: [u32; 3]) -> Plot {
-    let panel = |width: u32| {
-        let line = |(colour, latency): (usize, &u64), is_limit: bool| {
-            let here = points.iter().filter(|point| (point.width, point.latency) == (width, *latency));
-            let value = |point: &Swept| if is_limit { point.bound } else { point.reached };
-            let points = here.map(|point| (point.contexts as usize, value(point))).collect();
-            Series { colour, is_limit, points }
-        };
-        let of = |is_limit: bool| LATENCIES.iter().enumerate().map(move |latency| line(latency, is_limit));
-        Panel { axis: format!("jobs per cycle, {width} bits a beat"), lines: of(false).chain(of(true)).collect() }
-    };
-    Plot {
-        title: "Throughput of the traversal unit; dashed: bound".to_string(),
-        horizontal: "contexts".to_string(),
-        panels: widths.map(panel).into(),
-        legend: "memory latency".to_string(),
-        colours: LATENCIES.map(|latency| format!("{latency} cycles")).into(),
-    }
+    })?;
+    Ok(UnitSweep { title: "the traversal unit", contexts: "contexts", work: "jobs", points })
 }
 
 /// The greatest number of jobs per cycle: 1; what `contexts` rays ask for if each takes as long as it does alone; what

@@ -1,26 +1,48 @@
 //! Searches by jobs of the unit, and their timing in its cycle-exact model.
 
-use crate::commands::full::{TimingArguments, print_rows, watched};
-use crate::{CliError, whole};
+use crate::commands::full::unit_sweep::{Point, UnitSweep, grid};
+use crate::commands::full::{print_rows, recording, watched};
+use crate::{CliError, number, whole};
 use clap::Args;
 use rayon::prelude::*;
 use raypath_model::Shape;
-use raypath_rtl::Config;
-use raypath_search::{SearchError, SearchMemory, UnitJobs, UnitSearch, UnitTiming};
-use raypath_timing::{Panel, Plot, Series};
+use raypath_ops::JobKind;
+use raypath_rtl::{Config, DatapathNetlist};
+use raypath_search::{Metric, SearchError, SearchMemory, UnitJobs, UnitSearch, UnitTiming};
+use raypath_timing::report::{Table, html};
 use raypath_traversal::search::{SearchParameters, Searches};
 use raypath_traversal::{UnitNetlist, UnitParameters};
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Timing in the unit's cycle-exact model (with --through unit)")]
 pub struct UnitArguments {
     /// The searches of the unit [default: as many neighbours, candidates and dimensions as are needed]
-    #[arg(long, requires = "through", conflicts_with = "no_timing", value_name = "k=K,m=M,...")]
+    #[arg(long, requires = "through", value_name = "k=K,m=M,...")]
     search: Option<Searches>,
-    /// Bits of a beat of the unit's memory
-    #[arg(long, requires = "through", conflicts_with = "no_timing", default_value_t = 512, value_parser = width, value_name = "128|256|512")]
+    /// Bits of a beat of the memory
+    #[arg(long, requires = "through", default_value_t = 512, value_parser = width, value_name = "128|256|512")]
     memory_width: u32,
+    /// Cycles from a request to its first beat
+    #[arg(long, requires = "through", default_value_t = 100, value_parser = whole(0..=1_000_000u64), value_name = "M")]
+    memory_latency: u64,
+    /// Assumed clock frequency for rates, in MHz
+    #[arg(long, requires = "through", default_value_t = 1000.0, value_parser = number(0.001..=1e6, "MHz, 0.001 to 1000000"), value_name = "MHZ")]
+    clock: f64,
+    /// Time the first N queries [default: as many as take five million beats]
+    #[arg(long, requires = "through", value_parser = whole(1..=usize::MAX), value_name = "N")]
+    timed: Option<usize>,
+    /// Plot throughput over searches at a time, for several latencies and widths of the memory
+    #[arg(long, requires = "through", value_name = "FILE.svg")]
+    sweep: Option<PathBuf>,
+    /// Write a page about the run, for a browser
+    #[arg(long, requires = "through", value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Do not time the jobs
+    #[arg(long, requires = "through", conflicts_with_all = ["search", "memory_width", "memory_latency", "clock", "timed", "sweep", "report"])]
+    no_timing: bool,
 }
 
 fn width(text: &str) -> Result<u32, String> {
@@ -40,13 +62,17 @@ pub struct Needs {
 
 /// A search by jobs, and what the functional model found.
 pub struct Subject<'s> {
+    pub title: String,
+    pub metric: Metric,
     pub jobs: &'s UnitJobs,
     pub found: &'s UnitSearch,
-    /// The queries that are simulated, and the beats of one.
-    pub timed: usize,
     pub needs: Needs,
+    /// What was printed about the search.
+    pub rows: &'s [(String, String)],
 }
 
+/// The simulated beats without a number of queries.
+const BEATS: u64 = 5_000_000;
 /// The beats that a point of a sweep simulates, at most.
 const SWEPT_BEATS: u64 = 100_000;
 /// Jobs that are simulated one by one.
@@ -60,51 +86,61 @@ impl UnitArguments {
     pub fn time(
         &self,
         subject: &Subject<'_>,
-        timing: &TimingArguments,
         config: Config,
         out: &mut dyn Write,
     ) -> Result<Vec<(PathBuf, Vec<u8>)>, CliError> {
-        let Some(latency) = timing.memory_latency() else { return Ok(Vec::new()) };
+        if self.no_timing {
+            return Ok(Vec::new());
+        }
         let searches = match self.search {
             Some(Searches(Some(searches))) => subject.needs.met_by(searches)?,
             Some(Searches(None)) => return Err(CliError::unusable("--search none: expected searches")),
-            None => subject.needs.parameters(latency),
+            None => subject.needs.parameters(self.memory_latency),
         };
         let unit = UnitParameters { search: Searches(Some(searches)), ..UnitParameters::default() };
         let unit = UnitNetlist::new(config, unit).map_err(CliError::unusable)?;
         let (shape, parameters) = (unit.shape(), unit.parameters);
-        let memory = SearchMemory { width: self.memory_width, latency };
-        let total = (subject.timed + ALONE) as u64;
-        let (all, alone) = watched("queries timed", total as usize, |progress| {
-            let all = subject.run((&shape, parameters), memory, [subject.timed, 0], &|done| progress(done))?;
-            let alone =
-                subject.run((&shape, parameters), memory, [ALONE, 1], &|done| progress(subject.timed as u64 + done))?;
+        let memory = SearchMemory { width: self.memory_width, latency: self.memory_latency };
+        let timed = self.timed.unwrap_or(subject.queries_with(BEATS)).min(subject.found.results.rows.len());
+        let (all, alone) = watched("queries timed", timed + ALONE, |progress| {
+            let all = subject.run((&shape, parameters), memory, [timed, 0], &|done| progress(done))?;
+            let alone = subject.run((&shape, parameters), memory, [ALONE, 1], &|done| progress(timed as u64 + done))?;
             Ok::<_, SearchError>((all, alone))
         })
         .map_err(CliError::unusable)?;
         let row = |label: &str, value: String| (label.to_string(), value);
         let bound = all.bound(&alone, searches.contexts);
-        let per_second = all.jobs as f64 / all.cycles.max(1) as f64 * timing.clock() * 1e6;
-        let rows = [
+        let per_second = all.jobs as f64 / all.cycles.max(1) as f64 * self.clock * 1e6;
+        let rows = vec![
             row("queries timed", format!("{} of {}", all.jobs, subject.found.results.rows.len())),
             row("searches at a time", searches.contexts.to_string()),
-            row("memory", format!("{latency} cycles, {} bits a beat", self.memory_width)),
+            row("memory", format!("{} cycles, {} bits a beat", memory.latency, memory.width)),
             row("cycles", all.cycles.to_string()),
             row("beats per cycle", format!("{:.3}", all.beats_per_cycle())),
             row("the bound of beats per cycle", format!("{bound:.3}")),
             row("beats of memory per cycle", format!("{:.3}", all.memory_beats as f64 / all.cycles.max(1) as f64)),
             row("cycles of a query alone", format!("{:.0}", alone.cycles as f64 / alone.jobs.max(1) as f64)),
-            row(&format!("queries per second at {} MHz", timing.clock()), format!("{per_second:.4e}")),
+            row(&format!("queries per second at {} MHz", self.clock), format!("{per_second:.4e}")),
         ];
         print_rows(&rows, out)?;
-        let Some(path) = timing.sweep() else { return Ok(Vec::new()) };
-        let points = subject.sweep(&shape, parameters, searches)?;
-        writeln!(out, "\n  bits  latency  searches  beats/cycle  bound  ratio")?;
-        for Swept { width, latency, contexts, reached, bound } in &points {
-            let ratio = reached / bound;
-            writeln!(out, "{width:>6} {latency:>8} {contexts:>9} {reached:>12.3} {bound:>6.3} {ratio:>6.3}")?;
+        if self.sweep.is_none() && self.report.is_none() {
+            return Ok(Vec::new());
         }
-        Ok(vec![(path.clone(), plot(&points).svg().into_bytes())])
+        let swept = subject.sweep(&shape, parameters, searches)?;
+        swept.print(out)?;
+        let mut files = Vec::new();
+        files.extend(self.sweep.iter().map(|path| (path.clone(), swept.svg().into_bytes())));
+        if let Some(path) = &self.report {
+            let mut jobs = [0; JobKind::ALL.len()];
+            jobs[subject.metric.kind().opcode() as usize] = all.beats;
+            let mut page = recording(subject.title.clone(), config, &DatapathNetlist::new(config)?, all.cycles, &jobs);
+            let search = subject.rows.iter().map(|(label, value)| vec![label.clone(), value.clone()]).collect();
+            let head = ["what", "value"].map(str::to_string).to_vec();
+            page.tables.push(Table { title: "The search".to_string(), head, rows: search });
+            (page.counts, page.sweep) = (rows, Some(swept.svg()));
+            files.push((path.clone(), html(&page).into_bytes()));
+        }
+        Ok(files)
     }
 }
 
@@ -141,16 +177,6 @@ fn blocks(latency: u64) -> u32 {
     (latency as u32).saturating_add(16).next_power_of_two().clamp(128, 512)
 }
 
-/// A point of a sweep.
-struct Swept {
-    width: u32,
-    latency: u64,
-    contexts: u32,
-    /// Beats per cycle.
-    reached: f64,
-    bound: f64,
-}
-
 impl Subject<'_> {
     fn run(
         &self,
@@ -162,17 +188,18 @@ impl Subject<'_> {
         self.jobs.time(self.found, unit, memory, jobs, progress)
     }
 
+    /// The queries that take so many beats, at least 1.
+    fn queries_with(&self, beats: u64) -> usize {
+        let results = &self.found.results;
+        (beats / (results.work.beats / results.rows.len().max(1) as u64).max(1)).max(1) as usize
+    }
+
     /// The beats per cycle over searches, latencies and widths, with the bound of each point.
-    fn sweep(&self, shape: &Shape, unit: UnitParameters, searches: SearchParameters) -> Result<Vec<Swept>, CliError> {
-        let points: Vec<(u32, u64, u32)> = WIDTHS
-            .iter()
-            .flat_map(|width| LATENCIES.iter().flat_map(move |latency| CONTEXTS.map(|count| (*width, *latency, count))))
-            .collect();
-        let work = self.found.results.work;
-        let of_query = work.beats / (self.found.results.rows.len().max(1) as u64);
-        let few = (SWEPT_BEATS / of_query.max(1)).max(1) as usize;
-        watched("points", points.len(), |progress| {
-            let done = std::sync::atomic::AtomicU64::new(0);
+    fn sweep(&self, shape: &Shape, unit: UnitParameters, searches: SearchParameters) -> Result<UnitSweep, CliError> {
+        let points = grid(WIDTHS, LATENCIES, CONTEXTS);
+        let few = self.queries_with(SWEPT_BEATS);
+        let points = watched("points", points.len(), |progress| {
+            let done = AtomicU64::new(0);
             let point = |&(width, latency, contexts): &(u32, u64, u32)| {
                 let searches = SearchParameters { contexts, blocks: blocks(latency), ..searches };
                 let unit = (shape, UnitParameters { search: Searches(Some(searches)), ..unit });
@@ -180,32 +207,13 @@ impl Subject<'_> {
                 let jobs = few.max(4 * contexts as usize);
                 let all = self.run(unit, memory, [jobs, 0], &|_| true)?;
                 let alone = self.run(unit, memory, [ALONE, 1], &|_| true)?;
-                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1);
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1);
                 let (reached, bound) = (all.beats_per_cycle(), all.bound(&alone, contexts));
-                Ok(Swept { width, latency, contexts, reached, bound })
+                Ok(Point { width, latency, contexts, reached, bound })
             };
             points.par_iter().map(point).collect::<Result<Vec<_>, SearchError>>()
         })
-        .map_err(CliError::unusable)
-    }
-}
-
-fn plot(points: &[Swept]) -> Plot {
-    let panel = |width: u32| {
-        let line = |(colour, latency): (usize, &u64), is_limit: bool| {
-            let here = points.iter().filter(|point| (point.width, point.latency) == (width, *latency));
-            let value = |point: &Swept| if is_limit { point.bound } else { point.reached };
-            let points = here.map(|point| (point.contexts as usize, value(point))).collect();
-            Series { colour, is_limit, points }
-        };
-        let of = |is_limit: bool| LATENCIES.iter().enumerate().map(move |latency| line(latency, is_limit));
-        Panel { axis: format!("beats per cycle, {width} bits a beat"), lines: of(false).chain(of(true)).collect() }
-    };
-    Plot {
-        title: "Throughput of searches; dashed: bound".to_string(),
-        horizontal: "searches at a time".to_string(),
-        panels: WIDTHS.map(panel).into(),
-        legend: "memory latency".to_string(),
-        colours: LATENCIES.map(|latency| format!("{latency} cycles")).into(),
+        .map_err(CliError::unusable)?;
+        Ok(UnitSweep { title: "searches", contexts: "searches", work: "beats", points })
     }
 }
