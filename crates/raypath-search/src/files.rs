@@ -2,10 +2,12 @@
 
 mod hdf5;
 mod npy;
+mod saved_graph;
 mod texmex;
 
-use crate::{Metric, Neighbours, Vectors};
+use crate::{Layer, Metric, Neighbours, Vectors};
 use raypath_tools::MemoryLimit;
+pub use saved_graph::{SavedGraph, read_graph};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 pub use texmex::{write_fvecs, write_ivecs};
@@ -22,13 +24,15 @@ pub struct Dataset {
     pub truth: Option<Neighbours>,
     /// The distances of the true neighbours, if the file has them.
     pub distances: Option<Vectors>,
-    /// The metric of the truth, if the file names it.
+    /// The metric of the truth or of the graph, if the file names it.
     pub metric: Option<Metric>,
+    /// The lowest layer of a graph of the base, if the file has one.
+    pub layer: Option<Layer>,
 }
 
 impl Dataset {
-    /// Reads a data set from one `.hdf5` file in the layout of ann-benchmarks, or from separate files. `queries` and
-    /// `truth` replace those of an `.hdf5` file; with other queries its truth is ignored.
+    /// Reads a data set from one `.hdf5` file in the layout of ann-benchmarks, or from separate files; the base may be a
+    /// graph ([`read_graph`]) with the extension `.bin`, `.faiss`, `.hnsw` or `.index`. `queries` and `truth` replace those of an `.hdf5` file; with other queries its truth is ignored.
     ///
     /// # Errors
     /// A file that cannot be read or has wrong content ([`FileError`]); queries of another dimension than the base;
@@ -40,10 +44,16 @@ impl Dataset {
         truth: Option<&Path>,
         limit: MemoryLimit,
     ) -> Result<Self, FileError> {
-        let mut dataset = if extension(base) == "hdf5" {
-            hdf5::dataset(base, queries.is_none(), queries.is_none() && truth.is_none(), limit)?
-        } else {
-            hdf5::Parts { base: read_vectors(base, limit)?, queries: None, truth: None, distances: None, metric: None }
+        let mut layer = None;
+        let separate = |base, metric| hdf5::Parts { base, queries: None, truth: None, distances: None, metric };
+        let mut dataset = match extension(base).as_str() {
+            "hdf5" => hdf5::dataset(base, queries.is_none(), queries.is_none() && truth.is_none(), limit)?,
+            "bin" | "faiss" | "hnsw" | "index" => {
+                let graph = read_graph(base, limit)?;
+                layer = Some(graph.layer);
+                separate(graph.vectors, graph.metric)
+            }
+            _ => separate(read_vectors(base, limit)?, None),
         };
         if let Some(queries) = queries {
             dataset.queries = Some(read_vectors(queries, limit)?);
@@ -68,7 +78,7 @@ impl Dataset {
             return Err(FileError::content(file, "rows of neighbours", neighbours.queries(), expected));
         }
         let hdf5::Parts { base, truth, distances, metric, .. } = dataset;
-        Ok(Self { base, queries: own_queries, truth, distances, metric })
+        Ok(Self { base, queries: own_queries, truth, distances, metric, layer })
     }
 }
 

@@ -51,7 +51,7 @@ impl Clusters {
         let centres: Vec<f32> = (0..self.clusters * self.dimensions).map(|_| StandardNormal.sample(random)).collect();
         let base = self.around(&centres, self.vectors, random)?;
         let queries = self.around(&centres, self.queries, random)?;
-        Ok(Dataset { base, queries, truth: None, distances: None, metric: None })
+        Ok(Dataset { base, queries, truth: None, distances: None, metric: None, layer: None })
     }
 
     fn around(&self, centres: &[f32], count: usize, random: &mut ChaCha8Rng) -> Result<Vectors, SearchError> {

@@ -1,8 +1,8 @@
 use crate::exact::{check, norms};
 use crate::hnsw::{Hnsw, Scratch};
 use crate::{
-    LaneCount, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance,
-    kernel,
+    LaneCount, Layer, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance,
+    euclidean_distance, kernel,
 };
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -89,9 +89,13 @@ impl<'v> Graph<'v> {
         self.built
     }
 
-    /// The lowest layer: the most neighbours of a vector, the neighbours of each, and the vector to begin with.
-    pub(crate) fn lowest_layer(&self) -> (usize, Vec<&[u32]>, u32) {
-        self.graph.lowest_layer()
+    /// The lowest layer.
+    ///
+    /// # Errors
+    /// A graph without vectors.
+    pub fn lowest_layer(&self) -> Result<Layer, SearchError> {
+        let (degree, neighbours, entry) = self.graph.lowest_layer();
+        Layer::new(degree, neighbours, entry)
     }
 
     /// Searches approximately the `count` nearest neighbours of each query on all threads of rayon. `ef`, at least

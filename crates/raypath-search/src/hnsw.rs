@@ -69,10 +69,11 @@ impl Hnsw {
         }
     }
 
-    /// The neighbours of every item in the lowest layer, of which each has so many places, and the item to begin with.
-    pub fn lowest_layer(&self) -> (usize, Vec<&[u32]>, u32) {
+    /// The places of an item for neighbours in the lowest layer, the neighbours of every item, and the item to begin
+    /// with.
+    pub fn lowest_layer(&self) -> (usize, Vec<Vec<u32>>, u32) {
         let degree = 2 * self.connections;
-        let used = self.lowest.chunks(degree).zip(&self.used).map(|(places, used)| &places[..usize::from(*used)]);
+        let used = self.lowest.chunks(degree).zip(&self.used).map(|(places, used)| places[..usize::from(*used)].into());
         (degree, used.collect(), self.entry.unwrap_or(0))
     }
 

@@ -1,5 +1,6 @@
 use crate::LaneCount;
 use raypath_ops::JobKind;
+use raypath_traversal::search::SearchMetric;
 
 /// The distance by which neighbours are ordered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -61,4 +62,13 @@ pub fn cosine_distance(dot_product: f32, query_norm: f32, candidate_norm: f32) -
     let distance = if squares == 0.0 { 1.0 } else { distance };
     let known = dot_product.is_finite() & query_norm.is_finite() & candidate_norm.is_finite();
     if known { distance } else { f64::INFINITY }
+}
+
+impl From<Metric> for SearchMetric {
+    fn from(metric: Metric) -> Self {
+        match metric {
+            Metric::Euclidean => Self::Euclidean,
+            Metric::Angular => Self::Cosine,
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Searches by jobs of the unit's model.
 
 use crate::exact::check;
-use crate::{Graph, Metric, Neighbour, SearchError, SearchResults, Vectors, Work};
+use crate::{Layer, Metric, Neighbour, SearchError, SearchResults, Vectors, Work};
 use rayon::prelude::*;
 use raypath_model::Shape;
 use raypath_timing::{Progress, ProgressCounter};
@@ -33,14 +33,36 @@ raypath_ops::names! {
     ParseStoredAsError, "elements `{0}`, expected binary32, binary16 or int8"
 }
 
-/// The unit of the model.
-const UNIT: SearchParameters = SearchParameters::MOST;
+/// What the jobs of a search do.
+#[derive(Debug, Clone, Copy)]
+pub struct UnitSpec<'s> {
+    /// The vectors to search.
+    pub base: &'s Vectors,
+    /// The queries, each of which has a job.
+    pub queries: &'s Vectors,
+    /// The metric.
+    pub metric: SearchMetric,
+    /// The elements in memory, to which numbers are rounded.
+    pub elements: Elements,
+    /// The most neighbours of a query.
+    pub neighbours: usize,
+    /// The greatest rank of a neighbour (`docs/reference/searching.md`).
+    pub bound: f32,
+    /// The graph that is searched, with the candidates that are kept; all vectors are scanned without one.
+    pub graph: Option<(&'s Layer, usize)>,
+    /// The unit's limits.
+    pub unit: SearchParameters,
+}
 
 /// The results of a search by jobs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitSearch {
-    /// The neighbours. The angular distance is 1 minus the unit's cosine.
-    pub results: SearchResults,
+    /// The neighbours of each query, with the unit's distances.
+    pub rows: Vec<Vec<unit::Neighbour>>,
+    /// The work of the datapath.
+    pub work: Work,
+    /// The wall-clock time of the search in seconds.
+    pub seconds: f64,
     /// Blocks of 64 bytes that all queries read.
     pub blocks: u64,
     /// Candidates whose neighbours in a graph were read.
@@ -49,6 +71,17 @@ pub struct UnitSearch {
 }
 
 impl UnitSearch {
+    /// The results as those of a search without the unit: the angular distance is 1 minus the cosine.
+    pub fn results(&self, metric: Metric) -> SearchResults {
+        let distance = |distance: f32| match metric {
+            Metric::Euclidean => distance.into(),
+            Metric::Angular => 1.0 - f64::from(distance),
+        };
+        let near = |near: &unit::Neighbour| Neighbour { index: near.index, distance: distance(near.distance) };
+        let rows = self.rows.iter().map(|row| row.iter().map(near).collect()).collect();
+        SearchResults { rows, work: self.work, seconds: self.seconds }
+    }
+
     /// Bytes that were read.
     pub fn bytes(&self) -> u64 {
         self.blocks * u64::from(SEARCH_BLOCK)
@@ -96,28 +129,22 @@ impl UnitTiming {
 pub struct UnitJobs {
     image: SearchImage,
     jobs: Vec<u32>,
-    metric: Metric,
+    unit: SearchParameters,
 }
 
 impl UnitJobs {
-    /// Jobs that search the `count` nearest vectors of each query: by a scan of all vectors, or in the lowest layer of a
-    /// graph, with a number of candidates that are kept.
+    /// Jobs that search the nearest vectors of each query.
     ///
     /// # Errors
-    /// Queries of another dimension; a number of neighbours, candidates, dimensions or bytes that a job does not have.
-    pub fn new(
-        base: &Vectors,
-        queries: &Vectors,
-        metric: Metric,
-        count: usize,
-        stored: StoredAs,
-        graph: Option<(&Graph, usize)>,
-    ) -> Result<Self, SearchError> {
+    /// Queries of another dimension; a graph of another number of vectors; a number of neighbours, candidates,
+    /// dimensions or bytes that a job of the unit does not have.
+    pub fn new(spec: &UnitSpec<'_>) -> Result<Self, SearchError> {
+        let UnitSpec { base, queries, metric, elements, neighbours: count, bound, graph, unit } = *spec;
         check(base.dimensions(), base.len(), queries.dimensions(), count)?;
-        in_job("neighbours", count, 1, UNIT.neighbours)?;
-        in_job("dimensions", base.dimensions(), 1, UNIT.dimensions)?;
+        in_job("neighbours", count, 1, unit.neighbours)?;
+        in_job("dimensions", base.dimensions(), 1, unit.dimensions)?;
         let refused = |error: raypath_traversal::search::ImageError| SearchError::Parameter(error.to_string());
-        let layout = VectorLayout { elements: stored.elements([base, queries]), dimensions: base.dimensions() as u32 };
+        let layout = VectorLayout { elements, dimensions: base.dimensions() as u32 };
         let mut image = SearchImage::new();
         let mut placed = |vectors: &Vectors| {
             let numbers: Vec<f32> = vectors.data().iter().map(|x| layout.elements.nearest(*x)).collect();
@@ -126,25 +153,29 @@ impl UnitJobs {
         let (vectors, first_query) = (placed(base)?, placed(queries)?);
         let place = match graph {
             None => Place::Scan,
-            Some((graph, candidates)) => {
-                in_job("candidates", candidates, count, UNIT.candidates)?;
-                let (degree, lists, entry) = graph.lowest_layer();
-                let neighbours = image.lists(degree as u32, lists.into_iter()).map_err(refused)?;
-                let entries = image.lists(1, [&[entry][..]].into_iter()).map_err(refused)?;
+            Some((layer, candidates)) => {
+                in_job("candidates", candidates, count, unit.candidates)?;
+                let (degree, lists) = (layer.degree(), layer.neighbours());
+                if lists.len() != base.len() {
+                    let problem = format!("a graph of {} vectors, expected {}", lists.len(), base.len());
+                    return Err(SearchError::Parameter(problem));
+                }
+                let neighbours = image.lists(degree as u32, lists.iter().map(Vec::as_slice)).map_err(refused)?;
+                let entries = image.lists(1, [&[layer.entry()][..]].into_iter()).map_err(refused)?;
                 let (degree, candidates) = (degree as u32, candidates as u32);
                 Place::Graph { neighbours, degree, entries, entry_count: 1, candidates, expansions: u32::MAX }
             }
         };
         let job = SearchJob {
-            metric: if metric == Metric::Euclidean { SearchMetric::Euclidean } else { SearchMetric::Cosine },
-            elements: layout.elements,
+            metric,
+            elements,
             dimensions: layout.dimensions,
             query: first_query,
             vectors,
             stride: layout.bytes(),
             count: base.len() as u32,
             k: count as u32,
-            bound: f32::INFINITY,
+            bound,
             place,
         };
         let mut jobs = Vec::with_capacity(queries.len());
@@ -152,7 +183,17 @@ impl UnitJobs {
             let query = first_query + number * layout.bytes();
             jobs.push(image.job(&SearchJob { query, ..job }).map_err(refused)?);
         }
-        Ok(Self { image, jobs, metric })
+        Ok(Self { image, jobs, unit })
+    }
+
+    /// The unit's memory from address 0 on.
+    pub fn memory(&self) -> &[u8] {
+        self.image.bytes()
+    }
+
+    /// The address of each query's job.
+    pub fn addresses(&self) -> &[u32] {
+        &self.jobs
     }
 
     /// The neighbours, by the functional model. `progress` gets the number of completed queries.
@@ -165,7 +206,7 @@ impl UnitJobs {
             .jobs
             .par_iter()
             .map(|address| {
-                let reply = (!progress.is_stopped()).then(|| search(&self.image, 0, *address, &UNIT));
+                let reply = (!progress.is_stopped()).then(|| search(&self.image, 0, *address, &self.unit));
                 progress.add(1);
                 reply
             })
@@ -176,22 +217,13 @@ impl UnitJobs {
         let seconds = began.elapsed().as_secs_f64();
         let (mut rows, mut all) = (Vec::with_capacity(replies.len()), Vec::with_capacity(replies.len()));
         for SearchReply { status, neighbours, counts } in replies.into_iter().flatten() {
-            rows.push(self.row(status, neighbours)?);
+            rows.push(done(status, neighbours)?);
             all.push(counts);
         }
         let sum = |of: fn(&SearchCounts) -> u64| all.iter().map(of).sum::<u64>();
         let work = Work { evaluations: sum(|counts| counts.distances), beats: sum(|counts| counts.beats) };
         let (blocks, expansions) = (sum(|counts| counts.blocks), sum(|counts| counts.expansions));
-        Ok(UnitSearch { results: SearchResults { rows, work, seconds }, blocks, expansions, counts: all })
-    }
-
-    fn row(&self, status: SearchStatus, neighbours: Vec<unit::Neighbour>) -> Result<Vec<Neighbour>, SearchError> {
-        if status != SearchStatus::Done {
-            return Err(SearchError::Parameter(format!("a job ended with {status:?}, expected neighbours")));
-        }
-        let shown =
-            |near: unit::Neighbour| Neighbour { index: near.index, distance: shown(self.metric, near.distance) };
-        Ok(neighbours.into_iter().map(shown).collect())
+        Ok(UnitSearch { rows, work, seconds, blocks, expansions, counts: all })
     }
 
     /// Runs the first jobs through the cycle-exact model of a unit with searches, whose datapath has this shape, and
@@ -245,7 +277,7 @@ impl UnitJobs {
                 let row = &mut rows[id as usize];
                 row.extend(neighbour);
                 if is_last {
-                    if self.row(status, std::mem::take(row))? != found.results.rows[id as usize] {
+                    if done(status, std::mem::take(row))? != found.rows[id as usize] {
                         return Err(SearchError::Parameter(format!("query {id} differs between the unit's models")));
                     }
                     ended += 1;
@@ -263,11 +295,10 @@ impl UnitJobs {
     }
 }
 
-fn shown(metric: Metric, distance: f32) -> f64 {
-    match metric {
-        Metric::Euclidean => distance.into(),
-        Metric::Angular => 1.0 - f64::from(distance),
-    }
+/// The neighbours of a job that was done.
+fn done(status: SearchStatus, neighbours: Vec<unit::Neighbour>) -> Result<Vec<unit::Neighbour>, SearchError> {
+    let problem = || SearchError::Parameter(format!("a job ended with {status:?}, expected neighbours"));
+    if status == SearchStatus::Done { Ok(neighbours) } else { Err(problem()) }
 }
 
 fn in_job(name: &str, found: usize, least: usize, most: u32) -> Result<(), SearchError> {
@@ -278,7 +309,8 @@ fn in_job(name: &str, found: usize, least: usize, most: u32) -> Result<(), Searc
 }
 
 impl StoredAs {
-    fn elements(self, vectors: [&Vectors; 2]) -> Elements {
+    /// The elements of these vectors.
+    pub fn elements(self, vectors: [&Vectors; 2]) -> Elements {
         match self {
             Self::Binary32 => Elements::Binary32,
             Self::Binary16 => Elements::Binary16,

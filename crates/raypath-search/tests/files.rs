@@ -3,4 +3,5 @@
 mod common;
 mod hdf5;
 mod npy;
+mod saved_graph;
 mod texmex;

@@ -2,10 +2,11 @@
 
 use raypath_model::{Control, Shape};
 use raypath_search::{
-    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchMemory, SearchResults,
-    StoredAs, UnitJobs, recall,
+    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Layer, Metric, Neighbours, SearchError, SearchMemory,
+    SearchResults, StoredAs, UnitJobs, UnitSpec, Vectors, recall,
 };
 use raypath_traversal::UnitParameters;
+use raypath_traversal::search::SearchParameters;
 
 const COUNT: usize = 10;
 
@@ -24,15 +25,32 @@ fn exact(Dataset { base, queries, .. }: &Dataset, metric: Metric) -> SearchResul
     Exact::new(base, metric, LaneCount::Sixteen).search(queries, COUNT, &|_| true).expect("a search")
 }
 
+fn jobs(
+    Dataset { base, queries, .. }: &Dataset,
+    metric: Metric,
+    stored: StoredAs,
+    neighbours: usize,
+    graph: Option<(&Layer, usize)>,
+) -> Result<UnitJobs, SearchError> {
+    let (metric, elements, unit) = (metric.into(), stored.elements([base, queries]), SearchParameters::MOST);
+    UnitJobs::new(&UnitSpec { base, queries, metric, elements, neighbours, bound: f32::INFINITY, graph, unit })
+}
+
+fn layer(base: &Vectors, metric: Metric) -> Layer {
+    let parameters = GraphParameters::default();
+    let graph = Graph::build(base, metric, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
+    graph.lowest_layer().expect("a layer")
+}
+
 /// The recall of a search by jobs.
-fn found(dataset: &Dataset, metric: Metric, stored: StoredAs, graph: Option<(&Graph, usize)>) -> (SearchResults, f64) {
+fn found(dataset: &Dataset, metric: Metric, stored: StoredAs, graph: Option<(&Layer, usize)>) -> (SearchResults, f64) {
     let Dataset { base, queries, .. } = dataset;
-    let jobs = UnitJobs::new(base, queries, metric, COUNT, stored, graph).expect("jobs");
-    let found = jobs.search(&|_| true).expect("a search");
+    let found = jobs(dataset, metric, stored, COUNT, graph).expect("jobs").search(&|_| true).expect("a search");
+    let results = found.results(metric);
     let truth: Vec<i64> = exact(dataset, metric).rows.iter().flatten().map(|near| near.index.into()).collect();
     let truth = Neighbours::new(COUNT, &truth, base.len()).expect("neighbours");
-    let recall = recall(&found.results, &truth, base, queries, metric, LaneCount::Sixteen, COUNT).expect("a recall");
-    (found.results, recall)
+    let recall = recall(&results, &truth, base, queries, metric, LaneCount::Sixteen, COUNT).expect("a recall");
+    (results, recall)
 }
 
 #[test]
@@ -57,9 +75,8 @@ fn rounded_elements_and_a_graph_find_most_neighbours() {
         assert!(recall >= least, "{stored}: {recall}");
     }
     for metric in Metric::ALL {
-        let parameters = GraphParameters::default();
-        let graph = Graph::build(&dataset.base, metric, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
-        let (results, recall) = found(&dataset, metric, StoredAs::Binary32, Some((&graph, 64)));
+        let layer = layer(&dataset.base, metric);
+        let (results, recall) = found(&dataset, metric, StoredAs::Binary32, Some((&layer, 64)));
         assert!(recall >= 0.95, "{metric}: {recall}");
         assert!(results.work.evaluations < 20 * 1500, "{metric}: {:?}", results.work);
     }
@@ -67,18 +84,16 @@ fn rounded_elements_and_a_graph_find_most_neighbours() {
 
 #[test]
 fn what_no_job_has_is_refused() {
-    let Dataset { base, queries, .. } = dataset();
-    let found = UnitJobs::new(&base, &queries, Metric::Euclidean, 65, StoredAs::Int8, None);
+    let found = jobs(&dataset(), Metric::Euclidean, StoredAs::Int8, 65, None);
     assert_eq!(found.expect_err("65").to_string(), "65 neighbours in a job of the unit, expected 1 to 64");
 }
 
 #[test]
 fn the_cycle_exact_model_finds_the_same_neighbours() {
-    let Dataset { base, queries, .. } = dataset();
-    let parameters = GraphParameters::default();
-    let graph = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
-    for graph in [None, Some((&graph, 64))] {
-        let jobs = UnitJobs::new(&base, &queries, Metric::Euclidean, COUNT, StoredAs::Binary32, graph).expect("jobs");
+    let dataset = dataset();
+    let layer = layer(&dataset.base, Metric::Euclidean);
+    for graph in [None, Some((&layer, 64))] {
+        let jobs = jobs(&dataset, Metric::Euclidean, StoredAs::Binary32, COUNT, graph).expect("jobs");
         let found = jobs.search(&|_| true).expect("a search");
         let shape = Shape { latency: 12, control: Control::Skid, interval: 1, loops: Vec::new() };
         let unit = UnitParameters { search: "k=10,m=64".parse().expect("searches"), ..UnitParameters::default() };

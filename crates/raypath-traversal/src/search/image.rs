@@ -100,13 +100,13 @@ impl Memory for SearchImage {
 }
 
 impl Elements {
-    /// The nearest element, ties to even; of integers the nearest of -127 to 127.
+    /// The nearest element, ties to even; of integers the nearest of -128 to 127.
     #[must_use]
     pub fn nearest(self, x: f32) -> f32 {
         match self {
             Self::Binary32 => x,
             Self::Binary16 => half::f16::from_f32(x).to_f32(),
-            Self::Int8 { scale } => (x / scale).round_ties_even().clamp(-127.0, 127.0) * scale,
+            Self::Int8 { scale } => (x / scale).round_ties_even().clamp(-128.0, 127.0) * scale,
         }
     }
 

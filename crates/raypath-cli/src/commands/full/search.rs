@@ -11,9 +11,10 @@ use raypath_ops::Rounding;
 use raypath_rtl::Config;
 use raypath_search::{
     Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, StoredAs, UnitJobs,
-    Work, recall, write_ivecs,
+    UnitSpec, Work, recall, write_ivecs,
 };
 use raypath_timing::Progress;
+use raypath_traversal::search::SearchParameters;
 use saved::SavedResults;
 use std::io::Write;
 use std::ops::Range;
@@ -22,8 +23,8 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The vectors to search: .fvecs, .bvecs, .ivecs, .npy, or .hdf5 in the layout of ann-benchmarks [default:
-    /// generated vectors]
+    /// The vectors to search: .fvecs, .bvecs, .ivecs, .npy, .hdf5 in the layout of ann-benchmarks, or an HNSW graph that
+    /// hnswlib or faiss saved (.bin, .hnsw, .index, .faiss) [default: generated vectors]
     base: Option<PathBuf>,
     /// The query vectors; an .hdf5 file has its own
     queries: Option<PathBuf>,
@@ -113,17 +114,33 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         }
         Some(Index::Hnsw) => Some(arguments.graph(lanes, &dataset, metric, out)?),
     };
+    if dataset.layer.is_some() && graph.is_none() && !arguments.exact && arguments.through.is_none() {
+        let problem =
+            format!("{}: the unit searches a saved graph, expected --through unit or --exact", arguments.name());
+        return Err(CliError::unusable(problem));
+    }
     let of_unit = match arguments.through {
         None => None,
         Some(Through::Unit) => {
-            let graph = graph.as_ref().map(|graph| (graph, arguments.ef()));
-            let jobs = UnitJobs::new(base, queries, metric, arguments.k, arguments.elements, graph)?;
+            let own = graph.as_ref().map(Graph::lowest_layer).transpose().map_err(CliError::unusable)?;
+            let layer = own.as_ref().or(dataset.layer.as_ref().filter(|_| !arguments.exact));
+            let spec = UnitSpec {
+                base,
+                queries,
+                metric: metric.into(),
+                elements: arguments.elements.elements([base, queries]),
+                neighbours: arguments.k,
+                bound: f32::INFINITY,
+                graph: layer.map(|layer| (layer, arguments.ef())),
+                unit: SearchParameters::MOST,
+            };
+            let jobs = UnitJobs::new(&spec)?;
             let found = watched("queries", queries.len(), |progress| jobs.search(progress))?;
-            Some((jobs, found))
+            Some((jobs, found, layer.is_some()))
         }
     };
     let results = match &graph {
-        _ if let Some((_, found)) = &of_unit => found.results.clone(),
+        _ if let Some((_, found, _)) = &of_unit => found.results(metric),
         None => match arguments.divided(lanes, &dataset, metric, config)? {
             Ok(results) => results,
             Err(message) => return Ok(writeln!(out, "{message}")?),
@@ -133,8 +150,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         }
     };
     let mut rows = describe(&results, lanes, base.dimensions());
-    if let Some((_, found)) = &of_unit {
-        let of_query = |total: u64| format!("{:.1}", found.results.per_query(total));
+    if let Some((_, found, _)) = &of_unit {
+        let of_query = |total: u64| format!("{:.1}", results.per_query(total));
         rows.push(("bytes that a query reads".to_string(), of_query(found.bytes())));
         rows.push(("candidates that a query expands".to_string(), of_query(found.expansions)));
     }
@@ -151,8 +168,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         write_ivecs(&results, &mut bytes)?;
         files.push((path.clone(), bytes));
     }
-    if let Some((jobs, found)) = &of_unit {
-        let candidates = if graph.is_some() { arguments.ef() } else { arguments.k };
+    if let Some((jobs, found, has_graph)) = &of_unit {
+        let candidates = if *has_graph { arguments.ef() } else { arguments.k };
         let needs = unit::Needs { neighbours: arguments.k, candidates, dimensions: base.dimensions() };
         let title = format!("{}: {} nearest of {searched}, {metric}", arguments.name(), arguments.k);
         let subject = unit::Subject { title, metric, jobs, found, needs, rows: &rows };

@@ -101,7 +101,7 @@ impl UnitArguments {
         let unit = UnitNetlist::new(config, unit).map_err(CliError::unusable)?;
         let (shape, parameters) = (unit.shape(), unit.parameters);
         let memory = SearchMemory { width: self.memory_width, latency: self.memory_latency };
-        let timed = self.timed.unwrap_or(subject.queries_with(BEATS)).min(subject.found.results.rows.len());
+        let timed = self.timed.unwrap_or(subject.queries_with(BEATS)).min(subject.found.rows.len());
         let (all, alone) = watched("queries timed", timed + ALONE, |progress| {
             let all = subject.run((&shape, parameters), memory, [timed, 0], &|done| progress(done))?;
             let alone = subject.run((&shape, parameters), memory, [ALONE, 1], &|done| progress(timed as u64 + done))?;
@@ -112,7 +112,7 @@ impl UnitArguments {
         let bound = all.bound(&alone, searches.contexts);
         let per_second = all.jobs as f64 / all.cycles.max(1) as f64 * self.clock * 1e6;
         let rows = vec![
-            row("queries timed", format!("{} of {}", all.jobs, subject.found.results.rows.len())),
+            row("queries timed", format!("{} of {}", all.jobs, subject.found.rows.len())),
             row("searches at a time", searches.contexts.to_string()),
             row("memory", format!("{} cycles, {} bits a beat", memory.latency, memory.width)),
             row("cycles", all.cycles.to_string()),
@@ -190,8 +190,8 @@ impl Subject<'_> {
 
     /// The queries that take so many beats, at least 1.
     fn queries_with(&self, beats: u64) -> usize {
-        let results = &self.found.results;
-        (beats / (results.work.beats / results.rows.len().max(1) as u64).max(1)).max(1) as usize
+        let UnitSearch { work, rows, .. } = self.found;
+        (beats / (work.beats / rows.len().max(1) as u64).max(1)).max(1) as usize
     }
 
     /// The beats per cycle over searches, latencies and widths, with the bound of each point.
