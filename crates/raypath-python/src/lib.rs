@@ -17,6 +17,7 @@ mod tables;
 mod timing;
 mod unit;
 mod unit_model;
+mod unit_search;
 mod watch;
 mod words;
 
@@ -69,6 +70,8 @@ mod _raypath {
     use crate::unit::{Unit, UnitScene};
     #[pymodule_export]
     use crate::unit_model::{UnitModel, UnitOutputs};
+    #[pymodule_export]
+    use crate::unit_search::{SavedGraph, UnitSearch, read_graph};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

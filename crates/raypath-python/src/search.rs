@@ -165,7 +165,7 @@ impl Work {
     }
 }
 
-fn vectors(py: Python<'_>, array: &Bound<'_, PyAny>, name: &str) -> PyResult<Vectors> {
+pub fn vectors(py: Python<'_>, array: &Bound<'_, PyAny>, name: &str) -> PyResult<Vectors> {
     let (numbers, _, dimensions) = matrix(array, name)?;
     let numbers = &*numbers;
     py.detach(|| Vectors::new(dimensions, numbers.to_vec()))

@@ -6,6 +6,7 @@ use crate::error::{exception, value_error};
 use crate::hits::UnitHits;
 use crate::query::{RayQuery, rays_of};
 use crate::tables::row;
+use crate::unit_search::{self, UnitSearch};
 use crate::watch::{abandoned_at_signals, watched};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -15,6 +16,7 @@ use raypath_embed::{self as embed, SceneGeometry, SceneInput, SceneInstance, Uni
 use raypath_render::Bounds;
 use raypath_rtl::Config;
 use raypath_rtl::report::picture;
+use raypath_search::GraphParameters;
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::{NO_INSTANCE, status};
 use raypath_traversal::system::{CacheParameters, SystemParameters};
@@ -330,6 +332,71 @@ impl Unit {
             "jobs_per_cycle": found.jobs_per_cycle(),
         )?;
         Ok((hits_of(output)?, row))
+    }
+
+    /// Finds the nearest vectors of each query by jobs of the unit, which needs ``search`` among its parameters, as
+    /// ``raypath.Unit(search="k=32,m=64")``.
+    ///
+    /// Without a graph, a query is compared with all vectors. A graph is searched best-first, from its lowest layer on.
+    ///
+    /// Args:
+    ///     base: the vectors: an array of shape (n, d) of float32, float16, or int8 with a ``scale``, as they are in
+    ///         memory; or a ``raypath.SavedGraph``.
+    ///     queries: an array of shape (m, d), of the same type; float32 for a graph.
+    ///     k: the most neighbours of a query, 1 to n and to the ``k`` of the unit.
+    ///     metric: "euclidean", "dot" or "cosine". Dot products and cosines are ordered from the greatest.
+    ///     index: None, or "hnsw" to build a graph of an array.
+    ///     ef: the candidates that are kept in a graph, k to the ``m`` of the unit; 5 * k, if the unit has as many.
+    ///     connections: the connections of a vector in the graph, 2 to 255; twice as many in its lowest layer.
+    ///     ef_construction: the candidates that are kept during construction, 1 to 65,536.
+    ///     seed: the seed of the graph.
+    ///     scale: an integer of int8 stands for as many times this.
+    ///     bound: only vectors are neighbours whose rank is at most this: the squared distance of the elements, minus
+    ///         the dot product, or the rank of the cosine.
+    ///     latency: cycles of the memory, with which the jobs run through the cycle-exact model, too; None for the
+    ///         functional model alone.
+    ///
+    /// Returns:
+    ///     The neighbours (``ids``, ``distances``), the work (``evaluations``, ``beats``, ``bytes``, ``expansions``,
+    ///     ``seconds``), the ``timing``, and what hardware reads (``memory``, ``jobs``).
+    ///
+    /// Raises:
+    ///     ValueError: another type or shape; a number that is not finite; an argument out of range; a unit without
+    ///         searches.
+    ///     KeyboardInterrupt: after Ctrl-C.
+    ///
+    /// Example:
+    ///     >>> import numpy as np, raypath
+    ///     >>> unit = raypath.Unit(search="k=8,m=16,dimensions=64")
+    ///     >>> base = np.float16([[0, 0], [3, 4], [1, 0]])
+    ///     >>> found = unit.search(base, base[:1], k=3)
+    ///     >>> found.ids, found.distances
+    ///     (array([[0, 2, 1]]), array([[0., 1., 5.]], dtype=float32))
+    #[pyo3(signature = (base, queries, k = 10, *, metric = "euclidean", index = None, ef = None, connections = 16,
+        ef_construction = 200, seed = 1, scale = 1.0, bound = f32::INFINITY, latency = None))]
+    #[allow(clippy::too_many_arguments)] // keywords of Python
+    fn search(
+        &self,
+        base: &Bound<'_, PyAny>,
+        queries: &Bound<'_, PyAny>,
+        k: usize,
+        metric: &str,
+        index: Option<&str>,
+        ef: Option<usize>,
+        connections: usize,
+        ef_construction: usize,
+        seed: u64,
+        scale: f32,
+        bound: f32,
+        latency: Option<u64>,
+    ) -> PyResult<UnitSearch> {
+        let graph = match index {
+            None => None,
+            Some("hnsw") => Some(GraphParameters { connections, ef_construction, seed }),
+            Some(other) => return Err(value_error(format!("index: found '{other}', expected None or 'hnsw'"))),
+        };
+        let metric = metric.to_string();
+        unit_search::search(self, base, queries, unit_search::Options { k, metric, graph, ef, scale, bound, latency })
     }
 
     /// Writes SystemVerilog, assertions, the AXI4 wrapper and manifests, as ``raypath generate --unit`` does.

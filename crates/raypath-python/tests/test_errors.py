@@ -15,6 +15,8 @@ BOXES: Any = np.zeros((4, 4, 2, 3), np.float32)
 PAIR: Any = np.zeros((4, 40), np.float32)
 FACES: Any = np.zeros((1, 3), np.uint32)
 NAN: Any = np.full((4, 3), np.nan, np.float32)
+BYTES: Any = np.zeros((4, 40), np.int8)
+SEARCHES = raypath.Unit(search="k=4,m=8,dimensions=64")
 SCENE: Any = raypath.Scene(f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
 
 ARRAYS: list[tuple[Callable[[Any], Any], str]] = [
@@ -84,6 +86,19 @@ ARRAYS: list[tuple[Callable[[Any], Any], str]] = [
     (lambda d: raypath.search(ONES, ONES, k=1, metric="x"), r"metric `x`, expected"),  # type: ignore[arg-type]
     (lambda d: raypath.search(ONES, ONES, k=1, index="x"), r"index: found 'x'"),  # type: ignore[arg-type]
     (lambda d: raypath.search(ONES, ONES, k=1, datapath=raypath.Datapath("graphics")), r"datapath: found no lanes"),
+    (lambda d: raypath.Unit().search(PAIR, PAIR, k=1), r"a unit without searches, expected .*search="),
+    (lambda d: SEARCHES.search(PAIR, PAIR[:, :3].copy(), k=1), r"queries of 3 dimensions, expected 40"),
+    (lambda d: SEARCHES.search(PAIR, PAIR, k=5), r"5 neighbours requested, expected 1 to 4"),
+    (lambda d: SEARCHES.search(PAIR, PAIR.astype(np.float16), k=1), r"queries: found another type"),
+    (lambda d: SEARCHES.search(NAN, ONES, k=1), r"base: vector 0, coordinate 0: found NaN"),
+    (lambda d: SEARCHES.search(PAIR, PAIR, k=1, metric="x"), r"metric `x`, expected"),  # type: ignore[arg-type]
+    (lambda d: SEARCHES.search(PAIR, PAIR, k=1, index="x"), r"index: found 'x'"),  # type: ignore[arg-type]
+    (lambda d: SEARCHES.search(PAIR, PAIR, k=1, index="hnsw", metric="dot"), r"for dot products"),
+    (lambda d: SEARCHES.search(PAIR, PAIR, k=1, index="hnsw", ef=99), r"99 candidates in a job .* 1 to 8"),
+    (lambda d: SEARCHES.search(BYTES, BYTES, k=1, scale=0.0), r"scale: found 0, expected a finite number above 0"),
+    (lambda d: SEARCHES.search(np.tile(PAIR, 2), np.tile(PAIR, 2), k=1), r"80 dimensions in a job .* 1 to 64"),
+    (lambda d: raypath.read_graph("/nonexistent"), r"/nonexistent: No such file"),
+    (lambda d: raypath.read_graph(__file__), r"test_errors.py: .*an index of hnswlib"),
     (lambda d: raypath.Datapath("graphics").euclidean(PAIR, PAIR), r"'euclidean' is not an operation"),
     (lambda d: raypath.Datapath("large"), r"'large' is not a valid preset, expected paper"),
     (lambda d: raypath.Datapath(lanes=7), r"lanes: '7' is not a valid number of lanes, expected none, 2, 4"),

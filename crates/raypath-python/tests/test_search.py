@@ -1,4 +1,9 @@
-"""Search against NumPy in float64."""
+"""Search against NumPy in float64, and the search of a graph against the algorithm in plain Python."""
+
+import gzip
+import heapq
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -46,3 +51,87 @@ def test_graph(vectors: NDArray[np.float32]) -> None:
     assert found.evaluations < exact.evaluations
     np.testing.assert_array_equal(found.ids, again.ids)
 
+
+UNIT = raypath.Unit(search="k=16,m=64,dimensions=64")
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float16, np.int8])
+@pytest.mark.parametrize("metric", ["euclidean", "dot", "cosine"])
+def test_unit(vectors: NDArray[np.float32], dtype: type[Any], metric: Literal["euclidean", "dot", "cosine"]) -> None:
+    """Neighbours of a scan by the unit, of small integers with exact sums."""
+    base: NDArray[Any] = vectors[50:].astype(dtype)
+    queries: NDArray[Any] = vectors[:50].astype(dtype)
+    scale = 0.5 if dtype is np.int8 else 1.0
+    found = UNIT.search(base, queries, k=7, metric=metric, scale=scale)
+    wide, wide_base = queries.astype(np.float64), base.astype(np.float64)
+    squares = ((wide[:, None] - wide_base) ** 2).sum(axis=2)
+    products = wide @ wide_base.T
+    cosines = products / np.sqrt((wide**2).sum(axis=1)[:, None] * (wide_base**2).sum(axis=1))
+    order, exact = {
+        "euclidean": (squares, np.sqrt(squares) * scale),
+        "dot": (-products, products * scale**2),
+        "cosine": (-cosines, cosines),
+    }[metric]
+    expected = np.argsort(order, axis=1, kind="stable")[:, :7]
+    exact = np.take_along_axis(exact, expected, axis=1)
+    np.testing.assert_allclose(found.distances, exact, rtol=1e-6)
+    if metric == "cosine":
+        # Cosines that differ by less than a rounding may be in either order.
+        assert (found.ids == expected).mean() > 0.99
+    else:
+        np.testing.assert_array_equal(found.ids, expected)
+        np.testing.assert_array_equal(found.distances, exact.astype(np.float32))
+    blocks = -(-24 * base.itemsize // 64)
+    # The norm of the query takes another reading of it.
+    read = 950 + (2 if metric == "cosine" else 1)
+    assert found.bytes == 50 * 64 * (1 + read * blocks)
+    again = UNIT.search(base, queries[:3], k=7, metric=metric, scale=scale, latency=30)
+    np.testing.assert_array_equal(again.ids, found.ids[:3])
+    assert again.timing is not None
+    assert again.timing["cycles"] >= again.beats == again.timing["beats"]
+
+
+def best_first(
+    vectors: NDArray[np.float64], neighbours: list[list[int]], entry: int, query: NDArray[np.float64], m: int
+) -> list[int]:
+    """The m best vectors of a search that expands the nearest of the m best so far."""
+    seen = {entry}
+    best = [(float(((query - vectors[entry]) ** 2).sum()), entry)]
+    expanded: set[int] = set()
+    while True:
+        waiting = [index for _, index in best if index not in expanded]
+        if not waiting:
+            return [index for _, index in best]
+        expanded.add(waiting[0])
+        fresh = [index for index in neighbours[waiting[0]] if index not in seen]
+        seen.update(fresh)
+        near = [(float(((query - vectors[index]) ** 2).sum()), index) for index in fresh]
+        best = heapq.nsmallest(m, best + near)
+
+
+@pytest.mark.parametrize("name", ["hnswlib.bin", "faiss.index"])
+def test_saved_graph(name: str, tmp_path: Path) -> None:
+    """The unit finds the vectors, and evaluates as many, as the algorithm in plain Python."""
+    data = Path(__file__).parents[2] / "raypath-search/tests/data"
+    file = tmp_path / name
+    file.write_bytes(gzip.decompress((data / f"{name}.gz").read_bytes()))
+    graph = raypath.read_graph(file)
+    base, neighbours = graph.vectors.astype(np.float64), graph.neighbours
+    queries = (graph.vectors[::10] + np.float32(0.25)).astype(np.float32)
+    for m in (16, 40):
+        found = UNIT.search(graph, queries, k=16, ef=m)
+        expected = [best_first(base, neighbours, graph.entry, query, m)[:16] for query in queries.astype(np.float64)]
+        np.testing.assert_array_equal(found.ids, expected)
+    assert found.evaluations < 190 * len(queries)
+    assert len(found.memory) > base.size * 4
+    assert found.jobs.shape == (len(queries),)
+
+
+def test_own_graph(vectors: NDArray[np.float32]) -> None:
+    """A graph that is built here finds most neighbours."""
+    exact, found = (UNIT.search(vectors, vectors[:50], k=5, index=index, ef=40) for index in (None, "hnsw"))
+    assert (exact.ids == found.ids).mean() > 0.9
+    assert found.evaluations < exact.evaluations
+    few = UNIT.search(vectors, vectors[:1], k=5, bound=0.0)
+    assert few.ids.tolist() == [[0, -1, -1, -1, -1]]
+    assert np.isnan(few.distances[0, 1:]).all()

@@ -42,6 +42,7 @@ pub use jobs::distance_jobs;
 pub use lanes::LaneCount;
 pub use layer::Layer;
 pub use metric::{Metric, ParseMetricError, cosine_distance, euclidean_distance};
+pub use raypath_tools::MemoryLimit;
 pub use recall::recall;
 pub use results::{Neighbour, SearchResults, Work};
 pub use unit::{ParseStoredAsError, SearchMemory, StoredAs, UnitJobs, UnitSearch, UnitSpec, UnitTiming};

@@ -14,7 +14,7 @@ mod rank;
 pub use distance::{Elements, VectorLayout};
 pub(crate) use distance::{Shape, sums};
 pub use image::{ImageError, SearchImage};
-pub use job::{JOB_BYTES, JobError, Place, SearchJob, SearchMetric};
+pub use job::{JOB_BYTES, JobError, ParseSearchMetricError, Place, SearchJob, SearchMetric};
 pub use model::{Neighbour, SearchCounts, SearchReply, SearchStatus, search};
 pub use parameters::{ParseSearchesError, SearchParameters, Searches};
 pub(crate) use rank::{distance_of, key_of, rank_of, rank_of_key};

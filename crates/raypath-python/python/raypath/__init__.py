@@ -3,7 +3,7 @@
 A :class:`Datapath` computes arrays of jobs, bit for bit as the hardware does, and writes the hardware. A
 :class:`Pipeline` adds clock cycles. A :class:`Unit` is the traversal unit around a datapath: a ray goes in, its hit
 comes out; a :class:`UnitModel` adds clock cycles. :func:`render` and :func:`trace` work on a :class:`Scene`,
-:func:`search` on vectors.
+:func:`search` on vectors, and so does :meth:`Unit.search` by jobs of the unit.
 
 Example:
     >>> import numpy as np, raypath
@@ -25,6 +25,7 @@ from raypath._raypath import (
     Pipeline,
     QuadboxHits,
     Rendering,
+    SavedGraph,
     Scene,
     Search,
     Trace,
@@ -34,11 +35,13 @@ from raypath._raypath import (
     UnitModel,
     UnitOutputs,
     UnitScene,
+    UnitSearch,
     operations,
     parameters,
     presets,
     rays,
     read_card,
+    read_graph,
     render,
     search,
     trace,
@@ -61,6 +64,7 @@ __all__ = [
     "Query",
     "RayFlags",
     "Rendering",
+    "SavedGraph",
     "Scene",
     "Search",
     "Trace",
@@ -70,6 +74,7 @@ __all__ = [
     "UnitModel",
     "UnitOutputs",
     "UnitScene",
+    "UnitSearch",
     "UnitStatus",
     "__version__",
     "operations",
@@ -77,6 +82,7 @@ __all__ = [
     "presets",
     "rays",
     "read_card",
+    "read_graph",
     "render",
     "search",
     "trace",

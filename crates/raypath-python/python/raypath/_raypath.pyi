@@ -1,3 +1,4 @@
+import builtins
 import os
 from collections.abc import Iterator, Sequence
 from typing import Any, Literal, TypedDict, final, overload
@@ -94,6 +95,7 @@ class _UnitParameters(TypedDict):
     queries: Literal["none", "flags", "full"]
     parity: bool
     front: Literal["counter-clockwise", "clockwise"]
+    search: str
 
 class _Simulation(TypedDict):
     cycles: int
@@ -159,6 +161,7 @@ __all__ = [
     "QuadboxHits",
     "RayQuery",
     "Rendering",
+    "SavedGraph",
     "Scene",
     "Search",
     "Trace",
@@ -168,12 +171,14 @@ __all__ = [
     "UnitModel",
     "UnitOutputs",
     "UnitScene",
+    "UnitSearch",
     "main",
     "operations",
     "parameters",
     "presets",
     "rays",
     "read_card",
+    "read_graph",
     "render",
     "rust_seconds",
     "search",
@@ -883,6 +888,7 @@ class Unit:
         queries: Literal["none", "flags", "full"] = ...,
         parity: bool = ...,
         front: Literal["counter-clockwise", "clockwise"] = ...,
+        search: str = ...,
         registers: Literal["ieee", "recoded"] = ...,
         control: Literal["skid", "credit"] = ...,
         sharing: Literal["union", "segregated"] = ...,
@@ -1010,6 +1016,60 @@ class Unit:
             KeyboardInterrupt: after Ctrl-C."""
     def card(self) -> dict[str, Any]:
         """The figures for architecture simulators, as ``Datapath.card`` has them."""
+    def search(
+        self,
+        base: _Numbers | NDArray[np.float16] | NDArray[np.int8] | SavedGraph,
+        queries: _Numbers | NDArray[np.float16] | NDArray[np.int8],
+        k: int = 10,
+        *,
+        metric: Literal["euclidean", "dot", "cosine"] = "euclidean",
+        index: Literal["hnsw"] | None = None,
+        ef: int | None = None,
+        connections: int = 16,
+        ef_construction: int = 200,
+        seed: int = 1,
+        scale: float = 1.0,
+        bound: float = ...,
+        latency: int | None = None,
+    ) -> UnitSearch:
+        """Finds the nearest vectors of each query by jobs of the unit, which needs ``search`` among its parameters, as
+        ``raypath.Unit(search="k=32,m=64")``.
+
+        Without a graph, a query is compared with all vectors. A graph is searched best-first, from its lowest layer on.
+
+        Args:
+            base: the vectors: an array of shape (n, d) of float32, float16, or int8 with a ``scale``, as they are in
+                memory; or a ``raypath.SavedGraph``.
+            queries: an array of shape (m, d), of the same type; float32 for a graph.
+            k: the most neighbours of a query, 1 to n and to the ``k`` of the unit.
+            metric: "euclidean", "dot" or "cosine". Dot products and cosines are ordered from the greatest.
+            index: None, or "hnsw" to build a graph of an array.
+            ef: the candidates that are kept in a graph, k to the ``m`` of the unit; 5 * k, if the unit has as many.
+            connections: the connections of a vector in the graph, 2 to 255; twice as many in its lowest layer.
+            ef_construction: the candidates that are kept during construction, 1 to 65,536.
+            seed: the seed of the graph.
+            scale: an integer of int8 stands for as many times this.
+            bound: only vectors are neighbours whose rank is at most this: the squared distance of the elements, minus
+                the dot product, or the rank of the cosine.
+            latency: cycles of the memory, with which the jobs run through the cycle-exact model, too; None for the
+                functional model alone.
+
+        Returns:
+            The neighbours (``ids``, ``distances``), the work (``evaluations``, ``beats``, ``bytes``, ``expansions``,
+            ``seconds``), the ``timing``, and what hardware reads (``memory``, ``jobs``).
+
+        Raises:
+            ValueError: another type or shape; a number that is not finite; an argument out of range; a unit without
+                searches.
+            KeyboardInterrupt: after Ctrl-C.
+
+        Example:
+            >>> import numpy as np, raypath
+            >>> unit = raypath.Unit(search="k=8,m=16,dimensions=64")
+            >>> base = np.float16([[0, 0], [3, 4], [1, 0]])
+            >>> found = unit.search(base, base[:1], k=3)
+            >>> found.ids, found.distances
+            (array([[0, 2, 1]]), array([[0., 1., 5.]], dtype=float32))"""
     def generate(self, folder: str | os.PathLike[str]) -> int:
         """Writes SystemVerilog, assertions, the AXI4 wrapper and manifests, as ``raypath generate --unit`` does.
 
@@ -1251,8 +1311,61 @@ class Trace:
     def __getitem__(self, key: _Several, /) -> Trace: ...
 
 @final
+class SavedGraph:
+    """Vectors with the lowest layer of an HNSW graph, which ``raypath.read_graph`` reads. It does not change."""
+    @property
+    def vectors(self) -> NDArray[np.float32]:
+        """float32 array of shape (n, d): the vectors, in the order of their labels. Each access makes a new array."""
+    @property
+    def neighbours(self) -> list[list[int]]:
+        """The indices of the vectors near each vector, a list for each."""
+    @property
+    def degree(self) -> int:
+        """The most neighbours of a vector."""
+    @property
+    def entry(self) -> int:
+        """The index of the vector with which a search begins."""
+
+@final
+class UnitSearch:
+    """The neighbours of m queries, as a unit finds them."""
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """int64 array of shape (m, k): the indices of the neighbours of each query, the best first. -1 where there are
+        fewer. Each access makes a new array."""
+    @property
+    def distances(self) -> NDArray[np.float32]:
+        """float32 array of shape (m, k): their Euclidean distances, dot products, or cosines; NaN where there is no
+        neighbour. Each access makes a new array."""
+    @property
+    def evaluations(self) -> int:
+        """The number of vectors that were compared with queries."""
+    @property
+    def beats(self) -> int:
+        """The number of their beats, each a job of the datapath."""
+    @property
+    def bytes(self) -> int:
+        """The number of bytes that were read."""
+    @property
+    def expansions(self) -> int:
+        """The number of candidates whose neighbours were read."""
+    @property
+    def seconds(self) -> float:
+        """The wall-clock time of the functional model in seconds."""
+    @property
+    def memory(self) -> builtins.bytes:
+        """What the unit read: vectors, lists and jobs, the first byte at address 0. Each access makes a copy."""
+    @property
+    def jobs(self) -> NDArray[np.uint32]:
+        """uint32 array of shape (m,): the addresses of the jobs in ``memory``. Each access makes a new array."""
+    @property
+    def timing(self) -> dict[str, float] | None:
+        """With ``latency``, what the cycle-exact model measured: ``cycles``, ``beats`` (of the datapath),
+        ``memory_beats`` and ``beats_per_cycle``; otherwise None."""
+
+@final
 class Search:
-    """The neighbours of m queries, and their simulated timing."""
+    """The neighbours of m queries."""
     @property
     def ids(self) -> NDArray[np.int64]:
         """int64 array of shape (m, k): the indices of the neighbours of each query, nearest first. -1 if a search through
@@ -1270,9 +1383,6 @@ class Search:
     @property
     def seconds(self) -> float:
         """The wall-clock time of the search in seconds."""
-    @property
-    def timing(self) -> _Timing | None:
-        """The figures of the simulation (see ``raypath.render``), or None without ``timed``. An agent is a query."""
 
 def render(
     scene: Scene,
@@ -1372,6 +1482,19 @@ def trace(
     Example:
         See ``raypath.Scene``."""
 
+def read_graph(path: str | os.PathLike[str]) -> SavedGraph:
+    """Reads a graph that ``hnswlib`` saved (``save_index``, vectors of floats) or an ``IndexHNSWFlat`` of ``faiss``
+    (``write_index``). Labels are 0 to the number of vectors - 1, in any order.
+
+    Args:
+        path: the file.
+
+    Returns:
+        The graph, which ``Unit.search`` searches.
+
+    Raises:
+        ValueError: a file that cannot be read, is no such graph, or takes more than 2 GiB of memory."""
+
 def search(
     vectors: _Numbers,
     queries: _Numbers,
@@ -1384,16 +1507,11 @@ def search(
     ef: int | None = None,
     seed: int = 1,
     datapath: Datapath | None = None,
-    queries_in_flight: int = 32,
-    memory_latency: int = 100,
-    timed: int = 0,
 ) -> Search:
-    """Finds the nearest vectors of each query with the distance operations of a datapath; with ``timed``, also
-    simulates the timing.
+    """Finds the nearest vectors of each query with the distance operations of a datapath.
 
     The work is that of ``raypath search``: the sums of a distance are jobs of the datapath; square root, division and
-    selection are done in software and take no time in the simulation. The simulation keeps ``queries_in_flight``
-    queries before the pipeline, and every fetch of a vector takes ``memory_latency`` cycles.
+    selection are done in software. ``raypath.Unit.search`` does all in the unit.
 
     Args:
         vectors: float32 array of shape (n, k): finite coordinates of 1 to 65,536 dimensions.
@@ -1406,13 +1524,9 @@ def search(
         ef: the number of candidates kept during a search of the graph, k to 65,536; 5 * k by default.
         seed: the seed of the graph.
         datapath: a datapath in fp32 without features; the preset ``paper`` by default.
-        queries_in_flight: the number of queries in flight in the simulation, at least 1.
-        memory_latency: cycles of a fetch in the simulation.
-        timed: the number of queries that are simulated, the first ones; none by default.
 
     Returns:
-        The neighbours (``ids``, ``distances``), the work (``evaluations``, ``beats``, ``seconds``) and the ``timing``,
-        as that of ``raypath.render``.
+        The neighbours (``ids``, ``distances``) and the work (``evaluations``, ``beats``, ``seconds``).
 
     Raises:
         ValueError: another type or shape; a coordinate that is not finite; an argument out of range; a datapath without

@@ -19,7 +19,7 @@ COMMANDS = [
     (*PICTURE, "--timed", "200", "--sweep", "sweep.svg"),
     # Fewer rows than shards.
     ("render", "--size", "3x2", "--no-timing"),
-    ("search", "--out", "found.ivecs", "--metric", "angular", "-k", "3", "--timed", "20"),
+    ("search", "--out", "found.ivecs", "--metric", "angular", "-k", "3"),
 ]
 
 

@@ -86,6 +86,12 @@ pub struct JobError {
     pub expected: &'static str,
 }
 
+raypath_ops::names! {
+    SearchMetric { Euclidean = "euclidean", Dot = "dot", Cosine = "cosine" },
+    /// The error of an unknown name of a metric.
+    ParseSearchMetricError, "metric `{0}`, expected euclidean, dot or cosine"
+}
+
 const METRICS: [SearchMetric; 3] = [SearchMetric::Euclidean, SearchMetric::Dot, SearchMetric::Cosine];
 
 impl SearchMetric {
