@@ -59,6 +59,21 @@
 #define RAYPATH_JOB_TIMING 5
 
 /**
+ * `raypath_search_reply`: the neighbours are complete.
+ */
+#define RAYPATH_SEARCH_DONE 0
+
+/**
+ * A word of the job is outside its range; there are no neighbours.
+ */
+#define RAYPATH_SEARCH_REFUSED 1
+
+/**
+ * The memory reported an error, or there is nothing at an address; there are no neighbours.
+ */
+#define RAYPATH_SEARCH_MEMORY 2
+
+/**
  * The version of the binary interface. It changes when a program that was compiled against an older header would not
  * work.
  */
@@ -871,6 +886,210 @@ typedef struct {
 } raypath_unit_instance;
 
 /**
+ * A neighbour of a query.
+ */
+typedef struct {
+  /**
+   * The index of the vector.
+   */
+  uint32_t index;
+  /**
+   * The Euclidean distance, the dot product, or the cosine of the angle.
+   */
+  float distance;
+} raypath_neighbour;
+
+/**
+ * How a search ended, and what it did.
+ */
+typedef struct {
+  /**
+   * One of `RAYPATH_SEARCH_…`.
+   */
+  uint32_t status;
+  /**
+   * The number of neighbours.
+   */
+  uint32_t count;
+  /**
+   * Vectors that were compared with the query.
+   */
+  uint64_t distances;
+  /**
+   * Beats of the datapath.
+   */
+  uint64_t beats;
+  /**
+   * Blocks of 64 bytes that were read.
+   */
+  uint64_t blocks;
+  /**
+   * Candidates whose neighbours were read.
+   */
+  uint64_t expansions;
+} raypath_search_reply;
+
+/**
+ * The inputs of a unit in a cycle. The members are its ports. What belongs to a channel that is not valid is not read.
+ */
+typedef struct {
+  /**
+   * The id of the ray that is offered, which comes out with its hit.
+   */
+  uint64_t ray_id;
+  /**
+   * The ray that is offered.
+   */
+  raypath_unit_ray ray;
+  /**
+   * Not 0: a ray is offered. It is accepted in this cycle if the output `ray_ready` is 1; hold it until then.
+   */
+  uint32_t ray_valid;
+  /**
+   * The bytes of the beat, an eighth of the memory's width, the lowest address first. They are read during the call.
+   */
+  const uint8_t *mem_rsp_data;
+  /**
+   * Not 0: a beat of a block arrives. The beats of a block arrive in order, in any cycle after that of the request.
+   */
+  uint32_t mem_rsp_valid;
+  /**
+   * The tag of the request.
+   */
+  uint32_t mem_rsp_tag;
+  /**
+   * Not 0: the memory has no valid data for the beat.
+   */
+  uint32_t mem_rsp_error;
+  /**
+   * Not 0: a verdict on a candidate is given. It may come from the cycle after the candidate was taken on.
+   */
+  uint32_t answer_valid;
+  /**
+   * The tag of the candidate.
+   */
+  uint32_t answer_tag;
+  /**
+   * The verdict.
+   */
+  raypath_unit_verdict answer;
+  /**
+   * Not 0: the candidate at the outputs is taken.
+   */
+  uint32_t cand_ready;
+  /**
+   * Not 0: the hit at the outputs is taken.
+   */
+  uint32_t hit_ready;
+  /**
+   * Not 0: the request at the outputs is taken.
+   */
+  uint32_t mem_req_ready;
+  /**
+   * Not 0: all rays are dropped, from the next cycle until the output `idle` is 1. Beats and verdicts that are owed
+   * must still come.
+   */
+  uint32_t flush;
+} raypath_unit_inputs;
+
+/**
+ * The inputs of searches in a cycle. The members are ports of the unit. What belongs to a channel that is not valid is
+ * not read.
+ */
+typedef struct {
+  /**
+   * The id of the job that is offered, which comes out with its results.
+   */
+  uint64_t search_id;
+  /**
+   * The address of the job, a multiple of 64.
+   */
+  uint32_t search_job;
+  /**
+   * The upper 32 bits of all addresses of the job.
+   */
+  uint32_t search_base;
+  /**
+   * Not 0: a job is offered. It is accepted in this cycle if the output `search_ready` is 1; hold it until then.
+   */
+  uint32_t search_valid;
+  /**
+   * Not 0: the result at the outputs is taken.
+   */
+  uint32_t result_ready;
+  /**
+   * Not 0: the request at the outputs is taken.
+   */
+  uint32_t vec_req_ready;
+  /**
+   * Not 0: a beat of a block arrives. The beats of a block arrive in order, in any cycle after that of the request.
+   */
+  uint32_t vec_rsp_valid;
+  /**
+   * The tag of the request.
+   */
+  uint32_t vec_rsp_tag;
+  /**
+   * Not 0: the memory has no valid data for the beat.
+   */
+  uint32_t vec_rsp_error;
+  /**
+   * The bytes of the beat, an eighth of the memory's width, the lowest address first. They are read during the call.
+   */
+  const uint8_t *vec_rsp_data;
+} raypath_search_inputs;
+
+/**
+ * The outputs of searches in a cycle. The members are ports of the unit. Those of a channel that is not valid are 0.
+ */
+typedef struct {
+  /**
+   * The id of the job of the result.
+   */
+  uint64_t result_id;
+  /**
+   * The address of the block that is requested.
+   */
+  uint64_t vec_req_addr;
+  /**
+   * The tag of its response.
+   */
+  uint32_t vec_req_tag;
+  /**
+   * 1: a block of 64 bytes is requested. The request stays at the outputs until a step takes it.
+   */
+  uint32_t vec_req_valid;
+  /**
+   * 1: a job that is offered is accepted in this cycle.
+   */
+  uint32_t search_ready;
+  /**
+   * 1: a result, which stays at the outputs until a step takes it.
+   */
+  uint32_t result_valid;
+  /**
+   * The number of the job's results before it.
+   */
+  uint32_t result_rank;
+  /**
+   * 1: the result is a neighbour; 0: the job has none.
+   */
+  uint32_t result_found;
+  /**
+   * The neighbour.
+   */
+  raypath_neighbour result;
+  /**
+   * 1: the result is the job's last.
+   */
+  uint32_t result_last;
+  /**
+   * With the last result: how the job has ended, one of `RAYPATH_SEARCH_…`.
+   */
+  uint32_t result_status;
+} raypath_search_outputs;
+
+/**
  * The parameters of a traversal unit.
  */
 typedef struct {
@@ -977,69 +1196,6 @@ typedef struct {
    */
   uint32_t idle;
 } raypath_unit_outputs;
-
-/**
- * The inputs of a unit in a cycle. The members are its ports. What belongs to a channel that is not valid is not read.
- */
-typedef struct {
-  /**
-   * The id of the ray that is offered, which comes out with its hit.
-   */
-  uint64_t ray_id;
-  /**
-   * The ray that is offered.
-   */
-  raypath_unit_ray ray;
-  /**
-   * Not 0: a ray is offered. It is accepted in this cycle if the output `ray_ready` is 1; hold it until then.
-   */
-  uint32_t ray_valid;
-  /**
-   * The bytes of the beat, an eighth of the memory's width, the lowest address first. They are read during the call.
-   */
-  const uint8_t *mem_rsp_data;
-  /**
-   * Not 0: a beat of a block arrives. The beats of a block arrive in order, in any cycle after that of the request.
-   */
-  uint32_t mem_rsp_valid;
-  /**
-   * The tag of the request.
-   */
-  uint32_t mem_rsp_tag;
-  /**
-   * Not 0: the memory has no valid data for the beat.
-   */
-  uint32_t mem_rsp_error;
-  /**
-   * Not 0: a verdict on a candidate is given. It may come from the cycle after the candidate was taken on.
-   */
-  uint32_t answer_valid;
-  /**
-   * The tag of the candidate.
-   */
-  uint32_t answer_tag;
-  /**
-   * The verdict.
-   */
-  raypath_unit_verdict answer;
-  /**
-   * Not 0: the candidate at the outputs is taken.
-   */
-  uint32_t cand_ready;
-  /**
-   * Not 0: the hit at the outputs is taken.
-   */
-  uint32_t hit_ready;
-  /**
-   * Not 0: the request at the outputs is taken.
-   */
-  uint32_t mem_req_ready;
-  /**
-   * Not 0: all rays are dropped, from the next cycle until the output `idle` is 1. Beats and verdicts that are owed
-   * must still come.
-   */
-  uint32_t flush;
-} raypath_unit_inputs;
 
 /**
  * What a unit did since its last reset.
@@ -1757,6 +1913,51 @@ uint32_t raypath_scene_root(const raypath_scene *scene);
  * `scene` is NULL or a scene.
  */
 float raypath_scene_reach(const raypath_scene *scene);
+
+/**
+ * Does the job at an address of a memory of `size` bytes by the functional model, and sets `neighbours`, the best first,
+ * and `*reply`. The first byte of the memory has the address 0; an address outside of it is an error of the memory.
+ * `base` has the upper 32 bits of all addresses. The layout of a job is that of `docs/reference/searching.md`. Any thread
+ * may call it.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for a unit without searches, an address that is not a multiple of 64, and a capacity
+ * below the number of neighbours; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then nothing is set.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit; `reply` is NULL or points to a structure; the arrays are NULL or have that many
+ * elements.
+ */
+raypath_status raypath_unit_search(const raypath_unit *unit,
+                                   const uint8_t *memory,
+                                   size_t size,
+                                   uint32_t base,
+                                   uint32_t job,
+                                   raypath_neighbour *neighbours,
+                                   size_t capacity,
+                                   raypath_search_reply *reply);
+
+/**
+ * `raypath_unit_model_step` of a unit with searches, with their inputs.
+ *
+ * Errors: those of `raypath_unit_model_step`; `RAYPATH_ERROR_ARGUMENT` for a job of a unit without searches, one with an
+ * id or a base of too many bits, or an address that is not a multiple of 64. Then no cycle passes.
+ *
+ * # Safety
+ * That of `raypath_unit_model_step`, also for `search`.
+ */
+raypath_status raypath_unit_model_step_with(raypath_unit_model *model,
+                                            const raypath_unit_inputs *inputs,
+                                            const raypath_search_inputs *search);
+
+/**
+ * Sets `*outputs` to the outputs of searches in this cycle; all are 0 in a unit without searches. No cycle passes.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+ *
+ * # Safety
+ * That of `raypath_unit_model_outputs`.
+ */
+raypath_status raypath_unit_model_search_outputs(const raypath_unit_model *model, raypath_search_outputs *outputs);
 
 /**
  * The version of the binary interface of this library. A program compares it with `RAYPATH_ABI_VERSION`. Any thread

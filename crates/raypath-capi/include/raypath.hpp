@@ -34,6 +34,10 @@ using UnitRay = raypath_unit_ray;
 using UnitHit = raypath_unit_hit;
 using UnitCandidate = raypath_unit_candidate;
 using UnitVerdict = raypath_unit_verdict;
+using Neighbour = raypath_neighbour;
+using SearchReply = raypath_search_reply;
+using SearchInputs = raypath_search_inputs;
+using SearchOutputs = raypath_search_outputs;
 using UnitInputs = raypath_unit_inputs;
 using UnitOutputs = raypath_unit_outputs;
 using UnitCounts = raypath_unit_counts;
@@ -278,6 +282,15 @@ class Unit {
         raypath_unit_trace(get(), scene.data(), scene.size(), rays.data(), rays.size(), hits.data()));
   }
 
+  /** Does a job at an address of a memory; see raypath_unit_search. */
+  Expected<SearchReply> search(Span<const std::uint8_t> memory, std::uint32_t job, Span<Neighbour> neighbours) const {
+    SearchReply reply{};
+    const raypath_status status = raypath_unit_search(get(), memory.data(), memory.size(), 0, job, neighbours.data(),
+                                                      neighbours.size(), &reply);
+    if (status < 0) return detail::last_error(status);
+    return reply;
+  }
+
   /** Writes the hardware into a folder; see raypath_unit_generate. */
   Outcome generate(const char *folder) const { return detail::outcome(raypath_unit_generate(get(), folder)); }
 
@@ -418,6 +431,17 @@ class UnitModel {
 
   /** The clock edge that ends this cycle; see raypath_unit_model_step. */
   Outcome step(const UnitInputs &inputs) { return detail::outcome(raypath_unit_model_step(get(), &inputs)); }
+
+  /** The same in a unit with searches; see raypath_unit_model_step_with. */
+  Outcome step(const UnitInputs &inputs, const SearchInputs &search) {
+    return detail::outcome(raypath_unit_model_step_with(get(), &inputs, &search));
+  }
+  /** The outputs of searches in this cycle; see raypath_unit_model_search_outputs. */
+  SearchOutputs search_outputs() const noexcept {
+    SearchOutputs now{};
+    raypath_unit_model_search_outputs(get(), &now);
+    return now;
+  }
 
   /** Advances up to `cycles` cycles and stops where an input could change something; see raypath_unit_model_skip. */
   std::uint64_t skip(std::uint64_t cycles) noexcept { return raypath_unit_model_skip(get(), cycles); }

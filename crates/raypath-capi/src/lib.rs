@@ -12,6 +12,7 @@ mod memory;
 mod pipeline;
 mod query;
 mod scene;
+mod search;
 mod status;
 mod unit;
 mod unit_model;
@@ -26,6 +27,7 @@ pub use raypath_embed::{
     UnitVerdict, Vertices,
 };
 pub use scene::*;
+pub use search::*;
 pub use status::*;
 pub use unit::*;
 pub use unit_model::*;

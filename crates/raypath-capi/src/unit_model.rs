@@ -2,7 +2,7 @@
 
 use crate::Unit;
 use crate::memory::{array, copied, free, reference, reference_mut, results, written};
-use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
+use crate::status::{Failure, RAYPATH_OK, Status, status, value_or_zero};
 use raypath_embed::{self as embed, RayPhase, Response, UnitCandidate, UnitHit, UnitRay, UnitVerdict};
 
 /// The cycle-exact model of a traversal unit. One thread at a time may use it; another thread may use it later.
@@ -11,8 +11,8 @@ use raypath_embed::{self as embed, RayPhase, Response, UnitCandidate, UnitHit, U
 /// `raypath_unit_model_step`. The caller is the memory.
 #[derive(Clone)]
 pub struct UnitModel {
-    embedded: embed::UnitModel,
-    beat_bytes: usize,
+    pub(crate) embedded: embed::UnitModel,
+    pub(crate) beat_bytes: usize,
 }
 
 /// The inputs of a unit in a cycle. The members are its ports. What belongs to a channel that is not valid is not read.
@@ -202,14 +202,29 @@ pub unsafe extern "C" fn raypath_unit_model_step(model: *mut UnitModel, inputs: 
     status(|| {
         // SAFETY: by the contract of this function.
         let (model, inputs) = unsafe { (reference_mut("model", model)?, reference("inputs", inputs)?) };
+        // SAFETY: as above.
+        unsafe { model.step(inputs, embed::SearchInputs::default()) }
+    })
+}
+
+impl UnitModel {
+    /// The clock edge.
+    ///
+    /// # Safety
+    /// The beat has an eighth of the memory's width if it is valid.
+    pub(crate) unsafe fn step(
+        &mut self,
+        inputs: &UnitInputs,
+        search: embed::SearchInputs<'_>,
+    ) -> Result<Status, Failure> {
         let response = if inputs.mem_rsp_valid == 0 {
             None
         } else {
             // SAFETY: by the contract of this function.
-            let beat = unsafe { array("mem_rsp_data", inputs.mem_rsp_data, model.beat_bytes)? };
+            let beat = unsafe { array("mem_rsp_data", inputs.mem_rsp_data, self.beat_bytes)? };
             Some(Response { tag: inputs.mem_rsp_tag, is_error: inputs.mem_rsp_error != 0, beat })
         };
-        model.embedded.step(&embed::UnitInputs {
+        self.embedded.step(&embed::UnitInputs {
             ray: (inputs.ray_valid != 0).then_some((inputs.ray_id, &inputs.ray)),
             hit_ready: inputs.hit_ready != 0,
             candidate_ready: inputs.cand_ready != 0,
@@ -217,9 +232,10 @@ pub unsafe extern "C" fn raypath_unit_model_step(model: *mut UnitModel, inputs: 
             request_ready: inputs.mem_req_ready != 0,
             response,
             flush: inputs.flush != 0,
+            search,
         })?;
         Ok(RAYPATH_OK)
-    })
+    }
 }
 
 /// Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the

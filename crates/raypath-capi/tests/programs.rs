@@ -101,6 +101,11 @@ fn rays_through_the_unit_are_right_in_double_precision() {
 }
 
 #[test]
+fn searches_find_what_exact_numbers_find() {
+    compile_and_run("cc", "search.c", &["-std=c11"], false);
+}
+
+#[test]
 fn the_cpp_layer_works() {
     compile_and_run("c++", "layer.cpp", &["-std=c++17", "-fno-exceptions"], false);
 }

@@ -27,7 +27,10 @@ pub use pipeline::Pipeline;
 pub use raypath_model::Words;
 pub use raypath_ops::RayError;
 pub use raypath_sim::OperationId;
-pub use raypath_traversal::{BlockRequest, Front, Queries, RayInside, RayPhase, Response, UnitCounts};
+pub use raypath_traversal::search::{Neighbour, SearchCounts, SearchReply, SearchStatus};
+pub use raypath_traversal::{
+    BlockRequest, Front, Queries, RayInside, RayPhase, Response, SearchInputs, SearchOutputs, SearchResult, UnitCounts,
+};
 pub use unit::{
     SceneGeometry, SceneInput, SceneInstance, Unit, UnitCandidate, UnitHit, UnitInputs, UnitModel, UnitOutputs,
     UnitQuery, UnitRay, UnitScene, UnitStalls, UnitVerdict,

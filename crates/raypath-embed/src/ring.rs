@@ -90,7 +90,7 @@ impl Ring {
             outcome.pass(words);
             if let Outcome::Words(opcode) = *outcome {
                 let mut list = kept.next().map_or(Vec::new(), |kept| kept.as_words().to_vec());
-                words.list(&mut list);
+                words.many(&mut list);
                 match words_of(opcode, &list) {
                     Some(found) => self.words.push_back(found),
                     None => return words.refuse(),

@@ -16,6 +16,7 @@ use raypath_rtl::Config;
 use raypath_rtl::package::PERIOD_NS;
 use raypath_sim::configuration;
 use raypath_sim::files::{in_folder, write_all};
+use raypath_traversal::search::{SEARCH_BLOCK, SearchReply, search};
 use raypath_traversal::system::{SystemParameters, SystemTiming, simulate};
 use raypath_traversal::{self as unit, UnitNetlist, UnitParameters};
 pub use scene::{SceneGeometry, SceneInput, SceneInstance, UnitScene};
@@ -119,6 +120,22 @@ impl Unit {
             *hit = (&model.trace(scene, &ray.into())).into();
         }
         Ok(())
+    }
+
+    /// Does the job of a search at an address of a memory, whose first byte has the address 0, by the functional model.
+    /// `base` has the upper 32 bits of all addresses (`docs/reference/searching.md`).
+    ///
+    /// # Errors
+    /// A unit without searches; an address that is not a multiple of 64.
+    pub fn search(&self, memory: &[u8], base: u32, job: u32) -> Result<SearchReply, Error> {
+        let Some(parameters) = self.parameters().search.0 else {
+            return Err(Error::Argument("a unit without searches, expected one with them".to_string()));
+        };
+        if !job.is_multiple_of(SEARCH_BLOCK) {
+            let problem = format!("a job at the address {job:#x}, expected a multiple of {SEARCH_BLOCK}");
+            return Err(Error::Argument(problem));
+        }
+        Ok(search(memory, base, job, &parameters))
     }
 
     /// Traces rays through a scene by the cycle-exact model of a cluster of such units with a cache and a memory, and returns what the simulation measured.

@@ -3,9 +3,10 @@
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_embed::{
-    Bounds, Datapath, Job, Outcome, Pipeline, Ray, Response, Unit, UnitInputs, UnitModel, UnitRay, UnitVerdict,
-    Vertices,
+    BlockRequest, Bounds, Datapath, Job, Outcome, Pipeline, Ray, Response, SearchInputs, Unit, UnitInputs, UnitModel,
+    UnitRay, UnitVerdict, Vertices,
 };
+use raypath_traversal::search::{Elements, Place, SearchImage, SearchJob, SearchMetric, VectorLayout};
 use std::collections::VecDeque;
 
 fn random_ray(random: &mut ChaCha8Rng) -> Ray {
@@ -99,6 +100,7 @@ impl System {
             verdict: asked.pop_front().map(|tag| (tag, UnitVerdict { accept: tag % 2, end: tag / 2 % 2, t: 1.0 })),
             request_ready: random.random_bool(0.8),
             response: beat,
+            search: SearchInputs::default(),
         };
         model.step(&inputs).expect("a cycle");
         if queue.front().is_some_and(|(_, left)| *left == 0) {
@@ -152,6 +154,83 @@ fn a_restored_unit_goes_on_as_the_saved_one() {
         }
         assert!(saved.model.counts().rays > 20, "{text}: {:?}", saved.model.counts());
     }
+}
+
+/// A unit with jobs of searches and a memory of them, whose responses and stalls are drawn.
+struct Searching {
+    model: UnitModel,
+    /// The requests, and the beats that they have had.
+    queue: VecDeque<(BlockRequest, usize)>,
+    random: ChaCha8Rng,
+}
+
+impl Searching {
+    fn cycle(&mut self, image: &SearchImage, jobs: &[u32]) -> String {
+        let Self { model, queue, random } = self;
+        let outputs = model.outputs().search.expect("searches");
+        let beat = queue.front().filter(|_| random.random_bool(0.7)).map(|(request, beats)| {
+            let bytes = &image.bytes()[request.address as usize + 32 * beats..][..32];
+            Response { tag: request.tag, is_error: random.random_bool(0.002), beat: bytes }
+        });
+        let job = random.random_bool(0.5).then(|| (7, 0, jobs[random.random_range(0..jobs.len())]));
+        let [result_ready, request_ready] = [0.6, 0.8].map(|share| random.random_bool(share));
+        let search = SearchInputs { job, result_ready, request_ready, response: beat };
+        model.step(&UnitInputs { search, ..UnitInputs::default() }).expect("a cycle");
+        if let Some((_, beats)) = queue.front_mut().filter(|_| beat.is_some()) {
+            *beats += 1;
+            if *beats == 2 {
+                queue.pop_front();
+            }
+        }
+        queue.extend(outputs.request.filter(|_| request_ready).map(|request| (request, 0)));
+        format!("{outputs:?}")
+    }
+}
+
+#[test]
+fn a_restored_unit_goes_on_with_its_searches() {
+    let text = "search = \"k=4,m=32,contexts=3,dimensions=32,blocks=16,remembered=64\"\nmemory-width = 256";
+    let unit = Unit::open(text).expect("a unit");
+    let (mut image, mut random) = (SearchImage::new(), ChaCha8Rng::seed_from_u64(8));
+    let mut jobs = Vec::new();
+    for elements in [Elements::Binary32, Elements::Int8 { scale: 0.5 }] {
+        let layout = VectorLayout { elements, dimensions: 20 };
+        let numbers: Vec<f32> = (0..20 * 40).map(|_| elements.nearest(random.random_range(-9.0..9.0))).collect();
+        let vectors = image.vectors(layout, &numbers).expect("vectors");
+        let lists: Vec<Vec<u32>> = (0..40).map(|_| (0..5).map(|_| random.random_range(0..41)).collect()).collect();
+        let neighbours = image.lists(5, lists.iter().map(Vec::as_slice)).expect("lists");
+        let graph =
+            Place::Graph { neighbours, degree: 5, entries: neighbours, entry_count: 2, candidates: 20, expansions: 9 };
+        for (metric, place) in [
+            (SearchMetric::Euclidean, Place::Scan),
+            (SearchMetric::Dot, Place::Gather { list: neighbours, len: 5 }),
+            (SearchMetric::Cosine, graph),
+            (SearchMetric::Euclidean, graph),
+        ] {
+            let (query, stride, bound) = (vectors + layout.bytes(), layout.bytes(), f32::INFINITY);
+            let shape =
+                SearchJob { metric, elements, dimensions: 20, query, vectors, stride, count: 40, k: 4, bound, place };
+            jobs.push(image.job(&shape).expect("a job"));
+        }
+    }
+    // A job that is refused: the words of a vector.
+    jobs.push(0);
+    let mut saved = Searching { model: UnitModel::new(&unit), queue: VecDeque::new(), random };
+    let mut results = 0;
+    for round in 0..60 {
+        (0..97).for_each(|_| drop(saved.cycle(&image, &jobs)));
+        saved.random = ChaCha8Rng::seed_from_u64(round);
+        let random = ChaCha8Rng::seed_from_u64(round);
+        let mut restored = Searching { model: UnitModel::new(&unit), queue: saved.queue.clone(), random };
+        restored.model.restore(&saved.model.save()).expect("a state");
+        for cycle in 0..400 {
+            let expected = saved.cycle(&image, &jobs);
+            results += usize::from(expected.contains("is_last: true"));
+            assert_eq!(restored.cycle(&image, &jobs), expected, "round {round}, cycle {cycle}");
+        }
+        assert_eq!(restored.model.save(), saved.model.save());
+    }
+    assert!(results > 50, "{results}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Saving and restoring the state of models, word by word.
 
 use raypath_ops::{Binary32, Bundle, from_words, to_words};
+use std::collections::VecDeque;
 use std::mem::take;
 
 /// What changes from cycle to cycle in a model. A model that was made for the same configuration can take it over.
@@ -66,17 +67,17 @@ impl StateWords<'_> {
         }
     }
 
-    /// Passes words, of which a state can have more or fewer.
-    pub fn list(&mut self, list: &mut Vec<u64>) {
-        let mut count = list.len() as u64;
+    /// Passes items, of which a state can have more or fewer.
+    pub fn many<T: State + Default>(&mut self, items: &mut Vec<T>) {
+        let mut count = items.len() as u64;
         self.word(&mut count);
         if let Way::Restore(left) = &self.0 {
             match usize::try_from(count).ok().filter(|count| *count <= left.len()) {
-                Some(count) => *list = vec![0; count],
+                Some(count) => *items = std::iter::repeat_with(T::default).take(count).collect(),
                 None => return self.refuse(),
             }
         }
-        list.iter_mut().for_each(|word| self.word(word));
+        items.iter_mut().for_each(|item| item.pass(self));
     }
 
     /// Passes the values of a bundle.
@@ -133,6 +134,15 @@ impl<T: State> State for Vec<T> {
     }
 }
 
+impl<T: State + Default> State for VecDeque<T> {
+    /// A queue can have more or fewer items.
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let mut items = Vec::from(take(self));
+        words.many(&mut items);
+        *self = items.into();
+    }
+}
+
 impl<T: State> State for [T] {
     fn pass(&mut self, words: &mut StateWords<'_>) {
         self.iter_mut().for_each(|item| item.pass(words));
@@ -142,6 +152,13 @@ impl<T: State> State for [T] {
 impl<T: State, const N: usize> State for [T; N] {
     fn pass(&mut self, words: &mut StateWords<'_>) {
         self.as_mut_slice().pass(words);
+    }
+}
+
+impl State for () {
+    /// Nothing; a word, so that a queue of them has as many words as items.
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        words.word(&mut 0);
     }
 }
 

@@ -55,7 +55,7 @@ const FLAGS: u32 = 4;
 
 impl State for WordModel {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        self.states.iter_mut().for_each(|state| words.list(state));
+        self.states.iter_mut().for_each(|state| words.many(state));
     }
 }
 

@@ -9,7 +9,9 @@ use crate::watch::watched;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use raypath_embed::{self as embed, BlockRequest, Response, UnitCounts, UnitHit, UnitRay, UnitStalls, UnitVerdict};
+use raypath_embed::{
+    self as embed, BlockRequest, Response, SearchInputs, UnitCounts, UnitHit, UnitRay, UnitStalls, UnitVerdict,
+};
 use raypath_traversal::Memory;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
@@ -90,6 +92,12 @@ impl UnitModel {
     ///     request_ready: whether a request at the outputs is taken. It stays there otherwise.
     ///     flush: drops all rays, from the next cycle until the unit is idle. Beats and verdicts that are owed must
     ///         still come.
+    ///     job: the number and the address of a job of a search that is offered, in a unit with ``search``. It is
+    ///         accepted if the outputs say so.
+    ///     result_ready: whether a result at the outputs is taken. It stays there otherwise.
+    ///     vector_request_ready: the same for a request of a block of searches.
+    ///     vector_response: as ``response``, for requests of searches.
+    ///     vector_response_error: whether that beat has no valid data.
     ///
     /// Returns:
     ///     The outputs in the cycle that has passed: with the defaults, what the unit has delivered.
@@ -99,7 +107,8 @@ impl UnitModel {
     ///         no request that waits for one; a verdict with the tag of no candidate that was taken. Then no cycle
     ///         passes.
     #[pyo3(signature = (ray = None, ray_id = 0, *, response = None, response_error = false, hit_ready = true,
-        candidate_ready = true, verdict = None, request_ready = true, flush = false))]
+        candidate_ready = true, verdict = None, request_ready = true, flush = false, job = None, result_ready = true,
+        vector_request_ready = true, vector_response = None, vector_response_error = false))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn step(
         &mut self,
@@ -112,19 +121,35 @@ impl UnitModel {
         verdict: Option<(u32, bool, bool, f32)>,
         request_ready: bool,
         flush: bool,
+        job: Option<(u64, u64)>,
+        result_ready: bool,
+        vector_request_ready: bool,
+        vector_response: Option<(u32, Bound<'_, PyBytes>)>,
+        vector_response_error: bool,
     ) -> PyResult<UnitOutputs> {
         let verdict =
             verdict.map(|(tag, accept, end, t)| (tag, UnitVerdict { accept: accept.into(), end: end.into(), t }));
         let ray = ray.map(|ray| structure::<UnitRay>(ray, "ray")).transpose()?;
-        let response = response.as_ref().map(|(tag, beat)| Response {
-            tag: *tag,
-            is_error: response_error,
-            beat: beat.as_bytes(),
-        });
+        let response = beat(response.as_ref(), response_error);
+        let search = SearchInputs {
+            job: job.map(|(id, address)| (id, (address >> 32) as u32, address as u32)),
+            result_ready,
+            request_ready: vector_request_ready,
+            response: beat(vector_response.as_ref(), vector_response_error),
+        };
         let ray = ray.as_ref().map(|ray| (ray_id, ray));
         let outputs = self.inner().outputs();
         self.inner()
-            .step(&embed::UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response })
+            .step(&embed::UnitInputs {
+                flush,
+                ray,
+                hit_ready,
+                candidate_ready,
+                verdict,
+                request_ready,
+                response,
+                search,
+            })
             .map_err(exception)?;
         Ok(UnitOutputs(outputs))
     }
@@ -212,6 +237,7 @@ impl UnitModel {
                     verdict: verdict.take(),
                     request_ready: at(request_ready),
                     response,
+                    search: SearchInputs::default(),
                 };
                 inner.step(&inputs).map_err(exception)?;
                 // Of candidates, triangles are accepted and boxes ignored.
@@ -319,6 +345,11 @@ impl UnitModel {
     }
 }
 
+/// A beat of a response, with its tag.
+fn beat<'b>(response: Option<&'b (u32, Bound<'_, PyBytes>)>, is_error: bool) -> Option<Response<'b>> {
+    response.map(|(tag, beat)| Response { tag: *tag, is_error, beat: beat.as_bytes() })
+}
+
 /// The outputs of a ``UnitModel`` in a cycle.
 #[pyclass(module = "raypath", frozen)]
 pub struct UnitOutputs(embed::UnitOutputs);
@@ -393,6 +424,35 @@ impl UnitOutputs {
     #[getter]
     fn request(&self) -> Option<(u64, u32)> {
         self.0.request.map(|request| (request.address, request.tag))
+    }
+
+    /// Whether a job of a search is accepted in this cycle.
+    #[getter]
+    fn job_ready(&self) -> bool {
+        self.0.search.is_some_and(|search| search.ready)
+    }
+
+    /// A result of a search: the number of its job, its ``rank`` from 0, ``index`` and ``distance`` (None if the job has
+    /// no neighbours), whether it is the ``last``, and with the last the ``status``: 0 complete, 1 refused, 2 an error of
+    /// the memory. Or None.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(found) = self.0.search.and_then(|search| search.result) else { return Ok(None) };
+        let row = row!(py,
+            "job": found.id,
+            "rank": found.rank,
+            "index": found.neighbour.map(|near| near.index),
+            "distance": found.neighbour.map(|near| near.distance),
+            "last": found.is_last,
+            "status": found.status as u32,
+        )?;
+        Ok(Some(row))
+    }
+
+    /// The address of a block of 64 bytes that a search requests and the tag of its response, or None.
+    #[getter]
+    fn vector_request(&self) -> Option<(u64, u32)> {
+        self.0.search.and_then(|search| search.request).map(|request| (request.address, request.tag))
     }
 
     fn __repr__(&self) -> String {

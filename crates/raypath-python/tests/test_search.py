@@ -135,3 +135,33 @@ def test_own_graph(vectors: NDArray[np.float32]) -> None:
     few = UNIT.search(vectors, vectors[:1], k=5, bound=0.0)
     assert few.ids.tolist() == [[0, -1, -1, -1, -1]]
     assert np.isnan(few.distances[0, 1:]).all()
+
+
+def test_model(vectors: NDArray[np.float32]) -> None:
+    """The jobs of a search through the cycle-exact model, with a memory of one's own."""
+    found = UNIT.search(vectors, vectors[:3] + np.float32(0.25), k=4, metric="dot")
+    model, memory, beat = raypath.UnitModel(UNIT), found.memory, UNIT.parameters["memory_width"] // 8
+    waiting: list[tuple[int, int]] = []
+    beats: list[tuple[int, bytes]] = []
+    jobs: list[tuple[int, int]] = list(enumerate(found.jobs.tolist()))
+    results: list[dict[str, Any]] = []
+    while len(results) < 12:
+        outputs = model.step(job=jobs[0] if jobs else None, vector_response=beats.pop(0) if beats else None)
+        if jobs and outputs.job_ready:
+            jobs.pop(0)
+        if outputs.result is not None:
+            results.append(outputs.result)
+        if outputs.vector_request is not None:
+            waiting.append(outputs.vector_request)
+        if not beats and waiting:
+            address, tag = waiting.pop(0)
+            beats = [(tag, memory[at : at + beat]) for at in range(address, address + 64, beat)]
+    for result in results:
+        assert result["index"] == found.ids[result["job"], result["rank"]]
+        assert result["distance"] == found.distances[result["job"], result["rank"]]
+        assert (result["last"], result["status"]) == (result["rank"] == 3, 0)
+    assert model.step().idle
+    with pytest.raises(ValueError, match="expected a multiple of 64"):
+        model.step(job=(0, 4))
+    with pytest.raises(ValueError, match="a unit without searches"):
+        raypath.UnitModel(raypath.Unit()).step(job=(0, 0))

@@ -6,8 +6,10 @@ use super::query::{UnitCandidate, UnitVerdict};
 use crate::Error;
 use crate::state::{restore, save};
 use raypath_model::state;
+use raypath_traversal::search::SEARCH_BLOCK;
 use raypath_traversal::{
-    self as unit, BlockRequest, RayInside, RayPhase, Response, UnitCounts, UnitEngine, UnitParameters,
+    self as unit, BlockRequest, RayInside, RayPhase, Response, SearchInputs, SearchOutputs, UnitCounts, UnitEngine,
+    UnitParameters,
 };
 use std::sync::Arc;
 
@@ -21,6 +23,8 @@ pub struct UnitModel {
     parameters: UnitParameters,
     /// For each tag, the beats of the requested block that have not arrived.
     awaited: Vec<u32>,
+    /// The same for the tags of searches.
+    awaited_vectors: Vec<u32>,
     /// For each tag, whether its candidate was taken and has no verdict.
     undecided: Vec<bool>,
     stalls: UnitStalls,
@@ -45,7 +49,7 @@ pub struct UnitStalls {
 
 state! { UnitStalls { rays_inside, ray_cycles, ray_stalls, hit_stalls, request_stalls } }
 
-state! { UnitModel { inner, awaited, undecided, stalls } }
+state! { UnitModel { inner, awaited, awaited_vectors, undecided, stalls } }
 
 /// The inputs of the unit in a cycle.
 #[derive(Debug, Clone, Copy, Default)]
@@ -64,6 +68,8 @@ pub struct UnitInputs<'i> {
     pub request_ready: bool,
     /// A beat of a requested block.
     pub response: Option<Response<'i>>,
+    /// The inputs of searches, in a unit that has them.
+    pub search: SearchInputs<'i>,
 }
 
 /// The outputs of the unit in a cycle.
@@ -79,6 +85,8 @@ pub struct UnitOutputs {
     pub candidate: Option<(u32, u64, UnitCandidate)>,
     /// A request of a block.
     pub request: Option<BlockRequest>,
+    /// The outputs of searches, in a unit that has them.
+    pub search: Option<SearchOutputs>,
 }
 
 impl UnitModel {
@@ -88,11 +96,13 @@ impl UnitModel {
         let parameters = unit.parameters();
         let (outputs, awaited) = (inner.outputs(), vec![0; parameters.contexts as usize]);
         let undecided = vec![false; parameters.contexts as usize];
+        let awaited_vectors = vec![0; parameters.search.0.map_or(0, |search| search.blocks as usize)];
         Self {
             inner,
             outputs,
             parameters,
             awaited,
+            awaited_vectors,
             undecided,
             stalls: UnitStalls::default(),
             unit: unit.description().into(),
@@ -101,16 +111,16 @@ impl UnitModel {
 
     /// The outputs in this cycle.
     pub fn outputs(&self) -> UnitOutputs {
-        let unit::UnitOutputs { is_idle, ray_ready, hit, candidate, request, .. } = self.outputs;
+        let unit::UnitOutputs { is_idle, ray_ready, hit, candidate, request, search, .. } = self.outputs;
         let candidate = candidate.map(|asked| (asked.tag, asked.id, (&asked.candidate).into()));
         let hit = hit.map(|(id, reply)| (id, (&reply).into()));
-        UnitOutputs { is_idle, ray_ready, hit, candidate, request }
+        UnitOutputs { is_idle, ray_ready, hit, candidate, request, search }
     }
 
     /// The clock edge that ends this cycle.
     ///
     /// # Errors
-    /// A number of a ray with more bits than the unit has for it; a ray with a value that its port does not have; a
+    /// A number of a ray or of a job with more bits than the unit has for it; a ray with a value that its port does not have; a
     /// beat for a tag without an outstanding request, or of another size than the memory's width; a verdict for a tag
     /// whose candidate was not taken. Then no cycle passes.
     pub fn step(&mut self, inputs: &UnitInputs<'_>) -> Result<(), Error> {
@@ -118,7 +128,13 @@ impl UnitModel {
             self.check_ray(id, ray)?;
         }
         if let Some(response) = &inputs.response {
-            self.check_response(response)?;
+            self.check_response(&self.awaited, response)?;
+        }
+        if let Some(response) = &inputs.search.response {
+            self.check_response(&self.awaited_vectors, response)?;
+        }
+        if let Some((id, base, address)) = inputs.search.job {
+            self.check_job(id, base, address)?;
         }
         if let Some((tag, _)) = inputs.verdict
             && !self.undecided.get(tag as usize).is_some_and(|is_undecided| *is_undecided)
@@ -126,7 +142,7 @@ impl UnitModel {
             let problem = format!("a verdict with the tag {tag}, expected that of a candidate that was taken");
             return Err(Error::Argument(problem));
         }
-        let UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response } = *inputs;
+        let UnitInputs { flush, ray, hit_ready, candidate_ready, verdict, request_ready, response, search } = *inputs;
         if let Some(tag) = verdict.map(|(tag, _)| tag as usize) {
             self.undecided[tag] = false;
         }
@@ -144,16 +160,13 @@ impl UnitModel {
             verdict,
             request_ready,
             response,
-            search: unit::SearchInputs::default(),
+            search,
         });
-        if let Some(awaited) = response.and_then(|response| self.awaited.get_mut(response.tag as usize)) {
-            *awaited -= 1;
-        }
-        if let Some(request) = self.outputs.request.filter(|_| request_ready)
-            && let Some(awaited) = self.awaited.get_mut(request.tag as usize)
-        {
-            *awaited = 8 * self.parameters.step.node.block_bytes() / self.parameters.memory_width;
-        }
+        let UnitParameters { memory_width, step, .. } = self.parameters;
+        let request = self.outputs.request.filter(|_| request_ready);
+        await_beats(&mut self.awaited, response, request, 8 * step.node.block_bytes() / memory_width);
+        let request = self.outputs.search.and_then(|search| search.request).filter(|_| search.request_ready);
+        await_beats(&mut self.awaited_vectors, search.response, request, 8 * SEARCH_BLOCK / memory_width);
         self.outputs = self.inner.outputs();
         if self.outputs.is_idle {
             // Rays that were flushed have no hits.
@@ -185,8 +198,9 @@ impl UnitModel {
 
     /// Nothing is at the outputs that could be taken.
     fn waits_for_nothing(&self) -> bool {
-        let unit::UnitOutputs { hit, candidate, request, .. } = &self.outputs;
-        hit.is_none() && candidate.is_none() && request.is_none()
+        let unit::UnitOutputs { hit, candidate, request, search, .. } = &self.outputs;
+        let of_searches = search.is_some_and(|search| search.result.is_some() || search.request.is_some());
+        hit.is_none() && candidate.is_none() && request.is_none() && !of_searches
     }
 
     /// What the unit did since its last reset.
@@ -240,6 +254,7 @@ impl UnitModel {
         self.inner.reset();
         self.outputs = self.inner.outputs();
         self.awaited.fill(0);
+        self.awaited_vectors.fill(0);
         self.undecided.fill(false);
         self.stalls = UnitStalls::default();
     }
@@ -252,9 +267,27 @@ impl UnitModel {
         ray.check(self.parameters).map_err(Error::Argument)
     }
 
-    fn check_response(&self, response: &Response<'_>) -> Result<(), Error> {
+    fn check_job(&self, id: u64, base: u32, address: u32) -> Result<(), Error> {
+        let UnitParameters { id_width, address_width, search, .. } = self.parameters;
+        let refused = |problem: String| Err(Error::Argument(problem));
+        if search.0.is_none() {
+            return refused("a job for a unit without searches, expected one with them".to_string());
+        }
+        if id > u64::MAX >> (64 - id_width) {
+            return refused(format!("a job with the id {id}, expected at most {id_width} bits"));
+        }
+        if u64::from(base) >> (address_width - 32) != 0 {
+            return refused(format!("a job with the base {base:#x}, expected at most {} bits", address_width - 32));
+        }
+        if !address.is_multiple_of(SEARCH_BLOCK) {
+            return refused(format!("a job at the address {address:#x}, expected a multiple of {SEARCH_BLOCK}"));
+        }
+        Ok(())
+    }
+
+    fn check_response(&self, awaited: &[u32], response: &Response<'_>) -> Result<(), Error> {
         let (tag, found) = (response.tag, response.beat.len());
-        if self.awaited.get(tag as usize).is_none_or(|&awaited| awaited == 0) {
+        if awaited.get(tag as usize).is_none_or(|&awaited| awaited == 0) {
             let problem = format!("a beat with the tag {tag}, expected that of a request whose block is not complete");
             return Err(Error::Argument(problem));
         }
@@ -263,5 +296,15 @@ impl UnitModel {
             return Err(Error::Argument(format!("a beat of {found} bytes, expected {expected}")));
         }
         Ok(())
+    }
+}
+
+/// A beat arrives, and a request is taken, whose block has so many beats.
+fn await_beats(awaited: &mut [u32], response: Option<Response<'_>>, request: Option<BlockRequest>, beats: u32) {
+    if let Some(awaited) = response.and_then(|response| awaited.get_mut(response.tag as usize)) {
+        *awaited -= 1;
+    }
+    if let Some(awaited) = request.and_then(|request| awaited.get_mut(request.tag as usize)) {
+        *awaited = beats;
     }
 }

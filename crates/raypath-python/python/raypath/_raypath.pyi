@@ -1104,6 +1104,17 @@ class UnitOutputs:
     @property
     def request(self) -> tuple[int, int] | None:
         """The address of a block that is requested and the tag of its response, or None."""
+    @property
+    def job_ready(self) -> bool:
+        """Whether a job of a search is accepted in this cycle."""
+    @property
+    def result(self) -> dict[str, Any] | None:
+        """A result of a search: the number of its job, its ``rank`` from 0, ``index`` and ``distance`` (None if the job has
+        no neighbours), whether it is the ``last``, and with the last the ``status``: 0 complete, 1 refused, 2 an error of
+        the memory. Or None."""
+    @property
+    def vector_request(self) -> tuple[int, int] | None:
+        """The address of a block of 64 bytes that a search requests and the tag of its response, or None."""
 
 @final
 class UnitModel:
@@ -1151,6 +1162,11 @@ class UnitModel:
         verdict: tuple[int, bool, bool, float] | None = None,
         request_ready: bool = True,
         flush: bool = False,
+        job: tuple[int, int] | None = None,
+        result_ready: bool = True,
+        vector_request_ready: bool = True,
+        vector_response: tuple[int, bytes] | None = None,
+        vector_response_error: bool = False,
     ) -> UnitOutputs:
         """One clock cycle.
 
@@ -1168,6 +1184,12 @@ class UnitModel:
             request_ready: whether a request at the outputs is taken. It stays there otherwise.
             flush: drops all rays, from the next cycle until the unit is idle. Beats and verdicts that are owed must
                 still come.
+            job: the number and the address of a job of a search that is offered, in a unit with ``search``. It is
+                accepted if the outputs say so.
+            result_ready: whether a result at the outputs is taken. It stays there otherwise.
+            vector_request_ready: the same for a request of a block of searches.
+            vector_response: as ``response``, for requests of searches.
+            vector_response_error: whether that beat has no valid data.
 
         Returns:
             The outputs in the cycle that has passed: with the defaults, what the unit has delivered.

@@ -17,6 +17,7 @@ use beats::Beats;
 use fetch::Fetch;
 use list::{List, ListEdge};
 use ranks::{Filter, Ranks};
+use raypath_model::{State, StateWords, state};
 use raypath_ops::JobKind;
 use results::Results;
 use std::collections::VecDeque;
@@ -53,8 +54,20 @@ impl Beat {
     }
 }
 
+state! {
+    Searches { turns, fetch, beats, ranks, filter, list, results, before }
+    Item { burst, context, index, key, failed }
+}
+
+impl State for Burst {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        use Burst::{Drain, Expand, Job, List, Norm, Query, Vector};
+        words.one_of(self, &[Job, Query, Norm, List, Vector, Expand, Drain]);
+    }
+}
+
 /// A vector or a marker, with the key of its rank.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Item {
     burst: Burst,
     context: u8,
@@ -149,6 +162,13 @@ impl Searches {
 struct Fifo<T> {
     memory: VecDeque<T>,
     output: Option<T>,
+}
+
+impl<T: State + Default> State for Fifo<T> {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        self.memory.pass(words);
+        self.output.pass(words);
+    }
 }
 
 impl<T> Fifo<T> {

@@ -158,7 +158,7 @@ state! {
     Timing {
         fresh, queues, busy, yields, set_up, offer, has_offer, following, flow, jobs, operands, has_operands, divider,
         triangle, has_triangle, scheduler, steps, hit, candidate, cycles, offered, asked,
-        restarts, job_stalls, flushes | decoder, weights
+        restarts, job_stalls, flushes | decoder, weights, searches
     }
 }
 

@@ -22,9 +22,10 @@ pub struct Neighbour {
 }
 
 /// How a search ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SearchStatus {
     /// The neighbours are complete.
+    #[default]
     Done,
     /// A word of the job is outside its range; there are no neighbours.
     Refused,

@@ -5,6 +5,7 @@ use super::fetch::{Block, Entry};
 use super::ranks::Sent;
 use crate::hardware::Burst;
 use crate::search::{Elements, SearchMetric, SearchParameters, Shape, key_of, rank_of, sums};
+use raypath_model::{State, StateWords, state};
 
 #[derive(Debug, Clone)]
 pub struct Beats {
@@ -26,6 +27,41 @@ struct Taken {
     has_failed: bool,
     /// The elements that are left.
     left: u32,
+}
+
+state! { Taken { entry, block, has_failed, left } }
+
+impl State for Beats {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let Self { taken, failed, shapes, queries, vector, skips, is_first_block } = self;
+        taken.pass(words);
+        failed.pass(words);
+        shapes.pass(words);
+        queries.iter_mut().for_each(|query| words.many(query));
+        words.many(vector);
+        skips.pass(words);
+        is_first_block.pass(words);
+    }
+}
+
+impl Default for Taken {
+    fn default() -> Self {
+        Self { entry: Entry::default(), block: [0; _], has_failed: false, left: 0 }
+    }
+}
+
+impl State for Shape {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        self.metric.pass(words);
+        words.one_of(&mut self.elements, &[Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 1.0 }]);
+        self.tail.pass(words);
+    }
+}
+
+impl State for SearchMetric {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        words.one_of(self, &[Self::Euclidean, Self::Dot, Self::Cosine]);
+    }
 }
 
 impl Beats {

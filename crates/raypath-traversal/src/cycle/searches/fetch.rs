@@ -4,9 +4,10 @@ use super::Fifo;
 use crate::engine::{BlockRequest, Response};
 use crate::hardware::Burst;
 use crate::search::{SEARCH_BLOCK, SearchParameters};
+use raypath_model::{State, StateWords, state};
 
 /// Blocks that follow each other, or a marker.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Blocks {
     pub burst: Burst,
     pub context: u8,
@@ -16,7 +17,7 @@ pub struct Blocks {
 }
 
 /// A block of a burst.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Entry {
     pub burst: Burst,
     pub context: u8,
@@ -44,6 +45,20 @@ struct Slot {
     has_failed: bool,
     beats: usize,
     block: Block,
+}
+
+state! {
+    Blocks { burst, context, index, address, count }
+    Entry { burst, context, index, is_last }
+    Fetch { burst, entries, head, tail, slots, request }
+    Slot { has_arrived, has_failed, beats, block }
+}
+
+impl State for BlockRequest {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        self.address.pass(words);
+        self.tag.pass(words);
+    }
 }
 
 impl Fetch {

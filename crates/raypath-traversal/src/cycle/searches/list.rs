@@ -3,11 +3,12 @@
 use super::Item;
 use crate::hardware::{Burst, LIST_PER_WORD};
 use crate::search::{SearchParameters, SearchStatus, key_of};
+use raypath_model::{State, StateWords, state};
 
 const PER_WORD: usize = LIST_PER_WORD as usize;
 
 /// A candidate, in the order of the list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 struct Candidate {
     key: u32,
     index: u32,
@@ -17,7 +18,7 @@ struct Candidate {
 const NOTHING: Candidate = Candidate { key: u32::MAX, index: u32::MAX, is_expanded: false };
 
 /// A neighbour, or the end.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Found {
     pub context: u8,
     pub key: u32,
@@ -62,6 +63,49 @@ enum Work {
     Insert { word: usize, carried: Candidate },
     Seek { word: usize },
     Drain { place: usize, is_over: bool },
+}
+
+state! {
+    Candidate { key, index, is_expanded }
+    Found { context, key, index, end }
+    List { work, context, failed, searches }
+    Search { candidates, last_candidate, last_neighbour, is_refused }
+}
+
+impl State for SearchStatus {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        words.one_of(self, &[Self::Done, Self::Refused, Self::Memory]);
+    }
+}
+
+impl State for Work {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let mut kind = match self {
+            Self::Idle => 0_u8,
+            Self::Clear { .. } => 1,
+            Self::Insert { .. } => 2,
+            Self::Seek { .. } => 3,
+            Self::Drain { .. } => 4,
+        };
+        let (mut number, mut carried, mut over) = match *self {
+            Self::Idle => (0, NOTHING, false),
+            Self::Clear { word } | Self::Seek { word } => (word, NOTHING, false),
+            Self::Insert { word, carried } => (word, carried, false),
+            Self::Drain { place, is_over } => (place, NOTHING, is_over),
+        };
+        kind.pass(words);
+        number.pass(words);
+        carried.pass(words);
+        over.pass(words);
+        *self = match kind {
+            0 => Self::Idle,
+            1 => Self::Clear { word: number },
+            2 => Self::Insert { word: number, carried },
+            3 => Self::Seek { word: number },
+            4 => Self::Drain { place: number, is_over: over },
+            _ => return words.refuse(),
+        };
+    }
 }
 
 impl List {

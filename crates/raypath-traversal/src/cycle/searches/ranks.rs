@@ -3,10 +3,11 @@
 use super::{Fifo, Item};
 use crate::hardware::{Burst, FILTER_WAITING, RANKS_IN_FLIGHT};
 use crate::search::SearchParameters;
+use raypath_model::state;
 use std::collections::VecDeque;
 
 /// A vector or a marker behind the beats.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Sent {
     pub burst: Burst,
     pub context: u8,
@@ -23,6 +24,12 @@ pub struct Ranks {
     /// Whether an outcome enters the divider, and so on, in the order of the cycles.
     line: VecDeque<bool>,
     keys: Fifo<()>,
+}
+
+state! {
+    Sent { burst, context, index, failed, key, is_rank }
+    Ranks { sent, count, line, keys }
+    Filter { limits, taken, kept, count }
 }
 
 impl Ranks {

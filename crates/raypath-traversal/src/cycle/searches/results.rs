@@ -6,6 +6,7 @@ use crate::engine::SearchResult;
 use crate::hardware::{RESULTS_DIGITS, RESULTS_WAITING};
 use crate::search::{Neighbour, SearchMetric, SearchParameters, SearchStatus, distance_of, rank_of_key};
 use raypath_float::{DivSqrt, Format};
+use raypath_model::state;
 
 #[derive(Debug, Clone)]
 pub struct Results {
@@ -24,6 +25,11 @@ struct Search {
     metric: SearchMetric,
     scale: f32,
     norm: f32,
+}
+
+state! {
+    Results { found, count, searches, busy, is_none, number }
+    Search { id, metric, scale, norm }
 }
 
 impl Results {

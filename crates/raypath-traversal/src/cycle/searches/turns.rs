@@ -4,6 +4,7 @@ use super::Fifo;
 use super::fetch::Blocks;
 use crate::hardware::{Burst, Phase, TURNS_WAITING};
 use crate::search::{Place, SEARCH_BLOCK, SearchJob, SearchParameters};
+use raypath_model::{StateWords, state};
 
 /// Vectors or indices of a turn.
 const PER_TURN: u32 = 16;
@@ -44,7 +45,7 @@ struct Search {
     compared: Vec<[u32; WAYS]>,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct State {
     phase: Phase,
     number: u32,
@@ -52,7 +53,7 @@ struct State {
     spent: u32,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Turn {
     context: u8,
     step: u32,
@@ -62,12 +63,42 @@ struct Turn {
 }
 
 /// A burst whose address is computed. One of an index that was compared before, or has no vector, is dropped.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Pending {
     blocks: Blocks,
     /// The set of the index, and the indices in it.
     compared: Option<(usize, [u32; WAYS])>,
     is_outside: bool,
+}
+
+state! {
+    Turns { searches, in_use, waits, is_new, after, sweep, turn, burst, queue, count }
+    State { phase, number, left, spent }
+    Turn { context, step, state, list, candidate }
+    Pending { blocks, compared, is_outside }
+}
+
+impl raypath_model::State for Search {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        let Self { base, address, job, state, candidate, lists, half, compared } = self;
+        let mut of_job = job.map(|job| job.words());
+        of_job.pass(words);
+        *job = of_job.and_then(|words| SearchJob::from_words(words, &SearchParameters::MOST).ok());
+        base.pass(words);
+        address.pass(words);
+        state.pass(words);
+        candidate.pass(words);
+        lists.pass(words);
+        half.pass(words);
+        compared.pass(words);
+    }
+}
+
+impl raypath_model::State for Phase {
+    fn pass(&mut self, words: &mut StateWords<'_>) {
+        use Phase::{Begin, Enter, Expand, List, Neighbours, Scan};
+        words.one_of(self, &[Enter, Begin, Scan, List, Neighbours, Expand]);
+    }
 }
 
 /// What happens in a cycle.

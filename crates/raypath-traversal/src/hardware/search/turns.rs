@@ -22,9 +22,10 @@ pub const WAITING: u32 = 16;
 const WAYS: u32 = 8;
 
 /// The phases of a search. What comes in its next turn:
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Phase {
     /// The job is asked for.
+    #[default]
     Enter,
     /// The query.
     Begin,

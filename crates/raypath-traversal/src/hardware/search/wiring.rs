@@ -5,9 +5,10 @@ use crate::search::SearchParameters;
 use raypath_hdl::{Builder, Wire};
 
 /// What a burst fetches, or which marker it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Burst {
     /// The block of a job.
+    #[default]
     Job,
     /// The query, to be kept.
     Query,
