@@ -80,6 +80,8 @@ pub struct SearchOutputs {
     pub vec_req_tag: u32,
     /// 1: a block of 64 bytes is requested. The request stays at the outputs until a step takes it.
     pub vec_req_valid: u32,
+    /// 1: no job is in the unit.
+    pub searches_idle: u32,
     /// 1: a job that is offered is accepted in this cycle.
     pub search_ready: u32,
     /// 1: a result, which stays at the outputs until a step takes it.
@@ -210,12 +212,13 @@ impl From<embed::Neighbour> for Neighbour {
 }
 
 impl From<embed::SearchOutputs> for SearchOutputs {
-    fn from(embed::SearchOutputs { ready, result, request }: embed::SearchOutputs) -> Self {
+    fn from(embed::SearchOutputs { is_idle, ready, result, request }: embed::SearchOutputs) -> Self {
         let asked = request.unwrap_or_default();
         let mut outputs = Self {
             vec_req_addr: asked.address,
             vec_req_tag: asked.tag,
             vec_req_valid: request.is_some().into(),
+            searches_idle: is_idle.into(),
             search_ready: ready.into(),
             ..Self::default()
         };

@@ -426,6 +426,12 @@ impl UnitOutputs {
         self.0.request.map(|request| (request.address, request.tag))
     }
 
+    /// Whether no job of a search is in the unit.
+    #[getter]
+    fn searches_idle(&self) -> bool {
+        self.0.search.is_none_or(|search| search.is_idle)
+    }
+
     /// Whether a job of a search is accepted in this cycle.
     #[getter]
     fn job_ready(&self) -> bool {

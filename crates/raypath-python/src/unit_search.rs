@@ -133,7 +133,7 @@ impl UnitSearch {
     /// What the unit read: vectors, lists and jobs, the first byte at address 0. Each access makes a copy.
     #[getter]
     fn memory<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, self.jobs.memory())
+        PyBytes::new(py, self.jobs.image().bytes())
     }
 
     /// uint32 array of shape (m,): the addresses of the jobs in ``memory``. Each access makes a new array.

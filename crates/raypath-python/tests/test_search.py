@@ -160,7 +160,7 @@ def test_model(vectors: NDArray[np.float32]) -> None:
         assert result["index"] == found.ids[result["job"], result["rank"]]
         assert result["distance"] == found.distances[result["job"], result["rank"]]
         assert (result["last"], result["status"]) == (result["rank"] == 3, 0)
-    assert model.step().idle
+    assert model.step().searches_idle
     with pytest.raises(ValueError, match="expected a multiple of 64"):
         model.step(job=(0, 4))
     with pytest.raises(ValueError, match="a unit without searches"):

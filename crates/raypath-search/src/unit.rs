@@ -186,9 +186,9 @@ impl UnitJobs {
         Ok(Self { image, jobs, unit })
     }
 
-    /// The unit's memory from address 0 on.
-    pub fn memory(&self) -> &[u8] {
-        self.image.bytes()
+    /// The unit's memory.
+    pub fn image(&self) -> &SearchImage {
+        &self.image
     }
 
     /// The address of each query's job.
@@ -253,7 +253,7 @@ impl UnitJobs {
         let (mut next, mut ended, mut beat, mut now) = (0, 0, 0, 0_u64);
         let (beat_bytes, beats) = (memory.width as usize / 8, 8 * SEARCH_BLOCK / memory.width);
         while ended < jobs {
-            let Some(SearchOutputs { ready, result, request }) = model.outputs().search else { break };
+            let Some(SearchOutputs { ready, result, request, .. }) = model.outputs().search else { break };
             let can_enter = next < jobs && (in_flight == 0 || next < ended + in_flight);
             let job = can_enter.then(|| (next as u64, 0, self.jobs[next]));
             let due = queue.front().copied().filter(|(due, _)| *due <= now).map(|(_, request)| request);

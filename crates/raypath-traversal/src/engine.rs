@@ -48,6 +48,8 @@ pub struct SearchInputs<'b> {
 /// The outputs of searches in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchOutputs {
+    /// No job is in the unit.
+    pub is_idle: bool,
     /// Whether a job is accepted.
     pub ready: bool,
     /// A result.
@@ -400,7 +402,8 @@ impl UnitPorts {
 
 /// The outputs of searches from their words.
 fn search_outputs(word: &mut impl FnMut() -> u64) -> SearchOutputs {
-    let (ready, is_shown, id, rank) = (word() == 1, word() == 1, word(), word() as u32);
+    let (is_idle, ready) = (word() == 1, word() == 1);
+    let (is_shown, id, rank) = (word() == 1, word(), word() as u32);
     let (index, distance) = (word() as u32, f32::from_bits(word() as u32));
     let neighbour = (word() == 1).then_some(Neighbour { index, distance });
     let status = [SearchStatus::Done, SearchStatus::Refused, SearchStatus::Memory][word().min(2) as usize];
@@ -410,7 +413,7 @@ fn search_outputs(word: &mut impl FnMut() -> u64) -> SearchOutputs {
     let (has_request, address, tag) = (word() == 1, word(), word() as u32);
     // Whether a beat is taken, which is so in every cycle.
     word();
-    SearchOutputs { ready, result, request: has_request.then_some(BlockRequest { address, tag }) }
+    SearchOutputs { is_idle, ready, result, request: has_request.then_some(BlockRequest { address, tag }) }
 }
 
 impl UnitPorts {

@@ -191,6 +191,9 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
         self.held = (None, None);
         (self.held_candidate, self.offers, self.asks_flush, self.flushes) = (None, false, false, false);
         self.verdicts.clear();
+        if let Some(searches) = &mut self.searches {
+            searches.reset();
+        }
         self.now += 1;
     }
 
@@ -227,10 +230,7 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
             self.inside.clear();
             self.flushes = false;
         }
-        let has_searches = self.searches.as_ref().is_some_and(|searches| !searches.is_idle());
-        if (outputs.is_idle != (self.inside.is_empty() && !has_searches) || outputs.is_idle && owed > 0)
-            && !self.flushes
-        {
+        if (outputs.is_idle != self.inside.is_empty() || outputs.is_idle && owed > 0) && !self.flushes {
             let (idle, inside) = (outputs.is_idle, self.inside.len());
             return Err(wrong(format!(
                 "cycle {now}: idle is {idle}, with {inside} rays inside and {owed} answers owed"
@@ -257,6 +257,9 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
             Response { tag: *tag, is_error: is_error || *is_missing, beat: &beat }
         });
         let flush = std::mem::take(&mut self.asks_flush);
+        if self.searches.as_ref().is_some_and(|searches| searches.moves) {
+            self.moved = now;
+        }
         let search = match (&mut self.searches, &outputs.search) {
             (Some(searches), Some(outputs)) => searches.cycle(outputs)?,
             _ => SearchInputs::default(),

@@ -322,3 +322,39 @@ pub fn rays(setting: &Setting, module: &Module) -> String {
     )
     .replace('@', part)
 }
+
+/// The candidates of a word of a list that is read, `p_old`, and written, `p_new`, with their marks, and the addresses of
+/// both. Contexts have W bits, and the numbers of words B.
+pub fn list(_: &Setting, module: &Module) -> String {
+    let width = module.port_width("context_i").unwrap_or(1);
+    let of_words = module.port_width("clear_candidate_i").map_or(1, |bits| bits - 4);
+    let mut text = format!("  localparam int W = {width}, B = {of_words};\n");
+    let all = |stem: &str, fields: [&str; 2]| {
+        let entry = |k: u32| format!("{stem}_{}_{k}, {stem}_{}_{k}", fields[0], fields[1]);
+        (0..16).rev().map(entry).collect::<Vec<_>>().join(", ")
+    };
+    for (name, stem) in [("old", "candidates"), ("new", "new")] {
+        let marks: Vec<String> = (0..16).rev().map(|k| format!("{stem}_expanded_{k}")).collect();
+        let _ = write!(
+            text,
+            "  wire [15:0][63:0] p_{name} = {{{}}};\n  wire [15:0] p_{name}_expanded = {{{}}};\n",
+            all(stem, ["key", "index"]),
+            marks.join(", ")
+        );
+    }
+    let [read, written] = ["read_address_i", "write_address_i"]
+        .map(|port| seen(&mut text, &format!("u_candidates.{port}"), width + of_words));
+    let reads = seen(&mut text, "u_candidates.read_enable_i", 1);
+    text + &format!("  wire [W+B-1:0] p_read = {read}, p_written = {written};\n  wire p_reads = {reads};\n")
+}
+
+/// The memory of compared indices: the word at one address of it, `p_stored` at `p_slot`, and the word that was read,
+/// `p_shown`. Contexts have W bits, and the numbers of sets S.
+pub fn compared(setting: &Setting, module: &Module) -> String {
+    let width = module.port_width("block_context_i").unwrap_or(1);
+    let sets = setting.unit.parameters.search.0.map_or(1, |search| bits(search.remembered / 8));
+    let mut text = format!("  localparam int W = {width}, S = {sets};\n");
+    let slot = seen(&mut text, "u_compared.slot", width + sets);
+    let [stored, shown] = ["word_q", "read_q"].map(|name| seen(&mut text, &format!("u_compared.{name}"), 256));
+    text + &format!("  wire [W+S-1:0] p_slot = {slot};\n  wire [255:0] p_stored = {stored}, p_shown = {shown};\n")
+}

@@ -7,8 +7,12 @@ use rand::{RngExt, SeedableRng};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_traversal::blocks::NodeKind;
+use raypath_traversal::search::{SearchImage, SearchParameters, SearchReply, SearchStatus, Searches, search};
 use raypath_traversal::state::status;
-use raypath_traversal::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray, verdict_of};
+use raypath_traversal::traffic::{
+    Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, TwoLevelScene, random_ray, random_searches,
+    verdict_of,
+};
 use raypath_traversal::{
     Front, LEVELS, NODE_LIMIT, NetlistEngine, Queries, RayRequest, Reply, StepParameters, Unit, UnitEngine,
     UnitFeatures, UnitModel, UnitNetlist, UnitParameters,
@@ -25,7 +29,9 @@ pub struct Counts {
     pub cycles: u64,
     /// Rays that ended as the functional model says.
     pub rays: u64,
-    /// Rays that ended in an error of the memory.
+    /// Searches that ended as the functional model says.
+    pub searches: u64,
+    /// Rays and searches that ended in an error of the memory.
     pub errors: u64,
     /// Rays that a reset ended.
     pub lost: u64,
@@ -39,6 +45,7 @@ impl Counts {
         self.episodes += other.episodes;
         self.cycles += other.cycles;
         self.rays += other.rays;
+        self.searches += other.searches;
         self.errors += other.errors;
         self.lost += other.lost;
         self.resets += other.resets;
@@ -49,6 +56,9 @@ impl Counts {
 const RAYS: usize = 96;
 /// The rays of an episode whose rays visit thousands of nodes.
 const DEEP_RAYS: usize = 8;
+
+/// The searches of an episode.
+const SEARCHES: usize = 12;
 
 /// Barycentric coordinates alone.
 const WEIGHTS: UnitFeatures = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
@@ -73,7 +83,7 @@ const fn unit(
             address_width: 32,
             ram_latency,
             parity: false,
-            search: raypath_traversal::search::Searches(None),
+            search: Searches(None),
         },
     )
 }
@@ -81,6 +91,20 @@ const fn unit(
 /// Rays end with an error before they have read many nodes.
 const fn short((control, mut parameters): Setting) -> Setting {
     parameters.step.node_limit = 12;
+    (control, parameters)
+}
+
+/// With searches.
+const fn searching((control, mut parameters): Setting) -> Setting {
+    parameters.search = Searches(Some(SearchParameters {
+        neighbours: 12,
+        candidates: 40,
+        contexts: 3,
+        dimensions: 100,
+        blocks: 16,
+        remembered: 64,
+        turns: 2,
+    }));
     (control, parameters)
 }
 
@@ -92,8 +116,8 @@ const fn with((control, mut parameters): Setting, node: NodeKind, features: Unit
 /// Contexts, entries of the stack, bits of the memory and of ids, latencies of division and of the memories of a step;
 /// nodes and features.
 const UNITS: [Setting; 8] = [
-    unit(Control::Skid, [8, 2, 256, 16, 2, 1]),
-    unit(Control::Credit, [16, 4, 512, 64, 9, 2]),
+    searching(unit(Control::Skid, [8, 2, 256, 16, 2, 1])),
+    searching(unit(Control::Credit, [16, 4, 512, 64, 9, 2])),
     with(unit(Control::Credit, [11, 8, 128, 4, 1, 1]), NodeKind::Wide4, WEIGHTS),
     unit(Control::Skid, [64, 16, 1024, 7, 5, 1]),
     with(unit(Control::Skid, [32, 32, 512, 16, 27, 2]), NodeKind::Wide4, WEIGHTS),
@@ -120,6 +144,8 @@ pub struct Episode {
     pub scene: BlockScene,
     /// The rays, whose numbers are their places.
     pub rays: Vec<RayRequest>,
+    /// The searches of a unit that has them: their memory, and the addresses of jobs.
+    searches: Option<(SearchImage, Vec<u32>)>,
     behaviour: Behaviour,
     /// The cycles of the longest stall.
     longest_stall: u64,
@@ -130,12 +156,13 @@ pub struct Episode {
 }
 
 impl Episode {
-    /// The episode with this number in the campaign of this seed, for a unit with these parameters of a step, and the
-    /// generator of what else is random in it.
+    /// The episode with this number in the campaign of this seed, for a unit with these parameters, and the generator of
+    /// what else is random in it.
     ///
     /// One in nine, so that each of eight units in turn has its share, has a scene as deep as a unit can walk, and no
     /// reset and no error that ends a ray before.
-    pub fn of(StepParameters { node, features, .. }: StepParameters, seed: u64, number: u64) -> (Self, ChaCha8Rng) {
+    pub fn of(unit: UnitParameters, seed: u64, number: u64) -> (Self, ChaCha8Rng) {
+        let StepParameters { node, features, .. } = unit.step;
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(number);
         let random = &mut generator;
@@ -170,13 +197,31 @@ impl Episode {
         let resets = [0, 0, 40, 400][random.random_range(0..4)];
         let (errors, resets) = if is_deepest { (0, 0) } else { (errors, resets) };
         let behaviour = Behaviour { latency, stalls, errors };
-        (Self { scene, rays, behaviour, longest_stall, is_odd, resets }, generator)
+        let searches = unit.search.0.and_then(|searches| {
+            let mut image = SearchImage::new();
+            let jobs = random_searches(random.random(), SEARCHES, searches, &mut image).ok()?;
+            Some((image, jobs))
+        });
+        (Self { scene, rays, searches, behaviour, longest_stall, is_odd, resets }, generator)
+    }
+
+    /// What searches find, by the functional model.
+    fn found(&self, parameters: UnitParameters) -> Vec<SearchReply> {
+        let (Some((image, jobs)), Some(searches)) = (&self.searches, parameters.search.0) else { return Vec::new() };
+        jobs.iter().map(|job| search(image, 0, *job, &searches)).collect()
     }
 
     /// The memory with the scene, and the users of the other channels.
     pub fn environment(&self, parameters: UnitParameters, seed: u64) -> Environment<'_> {
-        Environment::new(&self.scene.0, parameters, self.rays.clone(), self.behaviour, seed)
-            .with_longest_stall(self.longest_stall)
+        let mut environment = Environment::new(&self.scene.0, parameters, self.rays.clone(), self.behaviour, seed)
+            .with_longest_stall(self.longest_stall);
+        environment.searches = self.searches.as_ref().map(|(image, jobs)| {
+            let Behaviour { latency, stalls, errors } = self.behaviour;
+            let memory_width = parameters.memory_width;
+            let behaviour = SearchBehaviour { latency, stalls: stalls[1], errors, memory_width };
+            SearchTraffic::new(image, jobs.clone(), behaviour, seed)
+        });
+        environment
     }
 
     /// Drives engines in lockstep until all rays have ended or were lost, in at most so many cycles. Returns the number
@@ -192,7 +237,7 @@ impl Episode {
         random: &mut ChaCha8Rng,
     ) -> Result<u64, String> {
         let mut resets = 0;
-        while !environment.is_done() {
+        while !environment.is_done() || environment.searches.as_ref().is_some_and(|searches| !searches.is_done()) {
             if random.random_range(0..65_536) < self.resets && resets < MOST_RESETS {
                 // A unit that is flushed is not reset: both lose the rays inside.
                 match random.random() {
@@ -223,7 +268,7 @@ pub fn run(
     is_tight: bool,
 ) -> Result<Counts, String> {
     let (mut cycle_exact, parameters) = (UnitModel::of(unit), unit.parameters);
-    let (episode, mut random) = Episode::of(parameters.step, seed, number);
+    let (episode, mut random) = Episode::of(parameters, seed, number);
     netlist.restart_randomly(random.random());
     let (seed, of_resets) = (random.random(), random.random());
     let resets = || ChaCha8Rng::seed_from_u64(of_resets);
@@ -238,7 +283,9 @@ pub fn run(
         episode.drive(&mut alone, &mut [&mut UnitModel::of(unit)], u64::MAX, &mut resets())?;
         4 * alone.cycles()
     } else {
-        limit(&expected, behaviour, longest_stall)
+        let blocks: u64 = expected.iter().map(|reply| u64::from(2 * reply.nodes + reply.triangles) + 4).sum();
+        let of_searches = episode.found(parameters).iter().map(|reply| 2 * reply.counts.blocks + 40).sum::<u64>();
+        limit(blocks + of_searches, behaviour, longest_stall)
     };
     counts.resets = episode.drive(&mut environment, &mut [netlist, &mut cycle_exact], limit, &mut resets())?;
     // Rays that end in an error in any memory: a block with an error may have ended them instead.
@@ -264,6 +311,18 @@ pub fn run(
     if counts.resets == 0 && !*is_odd && !(errors..=errors + always).contains(&blocks) {
         return Err(format!("{blocks} blocks had errors, and {errors} rays ended in one"));
     }
+    if let Some(searches) = &environment.searches {
+        for (id, expected) in (0..).zip(episode.found(parameters)) {
+            let Some((found, neighbours)) = searches.replies.get(&id) else { continue };
+            if behaviour.errors > 0 && *found == SearchStatus::Memory && neighbours.is_empty() {
+                counts.errors += 1;
+            } else if *found != expected.status || format!("{neighbours:?}") != format!("{:?}", expected.neighbours) {
+                return Err(format!("search {id}: found {found:?}, {neighbours:?}, expected {expected:?}"));
+            } else {
+                counts.searches += 1;
+            }
+        }
+    }
     counts.lost = (rays.len() - environment.replies.len()) as u64;
     counts.cycles = environment.cycles();
     Ok(counts)
@@ -275,9 +334,8 @@ const MOST_RESETS: u64 = 8;
 /// Cycles after which a unit in which nothing moves has lost a ray. Users of the channels stall for less.
 const IDLE: u64 = 4_000;
 
-/// Cycles that suffice for all rays, one after the other, with the slowest users of the channels.
-fn limit(expected: &[Reply], behaviour: Behaviour, longest_stall: u64) -> u64 {
-    let blocks: u64 = expected.iter().map(|reply| u64::from(2 * reply.nodes + reply.triangles) + 4).sum();
+/// Cycles that suffice for all blocks, one after the other, with the slowest users of the channels.
+fn limit(blocks: u64, behaviour: Behaviour, longest_stall: u64) -> u64 {
     let share = u64::from(behaviour.stalls.into_iter().max().unwrap_or(0));
     let slowest = 1 + longest_stall * share / (256 - share);
     20_000 + blocks * (behaviour.latency.1 + 100) * 2 * slowest
@@ -290,7 +348,7 @@ mod tests {
     #[test]
     fn one_episode_in_nine_walks_the_deepest_scene_to_its_end() {
         for (_, parameters) in UNITS {
-            let (episode, _) = Episode::of(parameters.step, 1, 8);
+            let (episode, _) = Episode::of(parameters, 1, 8);
             assert_eq!((episode.behaviour.errors, episode.resets), (0, 0));
             let mut model = Unit::new(Rules::Paper, parameters.step);
             let nodes = episode.rays.iter().map(|ray| model.trace(&episode.scene.0[..], ray).nodes);

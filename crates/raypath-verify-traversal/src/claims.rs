@@ -246,4 +246,21 @@ claims! {
         order: "advance = ~has_sums_q | ready_i" => "advance = 1'b1";
         order: "is_last_q <= operands_is_last_q" => "is_last_q <= is_last_i";
     }
+    "raypath_search_list" in Searches: include_str!("properties/list.sv"),
+        None, list; "p_goes_q && inserts_q && !is_there"; {
+        sorted: "is_before_0_t1  = {candidates_key_0, candidates_index_0}"
+            => "is_before_0_t1  = {candidates_index_0, candidates_key_0}";
+        kept: "is_before_15    = carried < is_before_15_t1" => "is_before_15    = 1'b1";
+        lost: "inserts_on      = places &" => "inserts_on      = 1'b0 & places &";
+        once: "places          = inserts_q & ~is_there" => "places          = inserts_q";
+        limit: "limits_o        = clear | is_full" => "limits_o        = clear | places";
+        best: "chosen     = can_expand & (~can_expand + 16'd1)" => "chosen     = can_expand";
+        in_order: "restarts ? 4'd0 : place_q + 4'd1" => "restarts ? 4'd0 : place_q + 4'd2";
+    }
+    "raypath_search_turns" in Searches: include_str!("properties/compared.sv"),
+        None, compared; "has_burst_q && skips && p_asked_q && p_own && burst_index_q == p_index && !burst_is_outside_q"; {
+        nothing_lost: "burst_is_compared_q & (burst_is_outside_q | is_known)" => "burst_is_compared_q";
+        nothing_lost: "((2'd1 << swept_q) & {2{sweeps_q}}" => "((2'd1 << swept_q) & {2{1'b0}}";
+        nothing_lost: "new_way_7              = compared_way_6 | {32{sweep}}" => "new_way_7              = compared_way_6";
+    }
 }

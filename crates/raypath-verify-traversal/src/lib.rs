@@ -30,7 +30,9 @@ use std::sync::atomic::AtomicBool;
 pub const ITEMS: &[Item] = &[Item {
     name: "unit",
     claim: "no module of the traversal unit's control loses, repeats or mixes up a ray, in units of 8, 11, 64 (the \
-            default) and 256 contexts; the netlist returns what the functional model does in random episodes",
+            default) and 256 contexts; at level full, lists of searches are sorted and lose only what is behind them, and \
+            no vector is skipped that was not compared; the netlist returns what the functional model does in random \
+            episodes",
     oracle: "proofs by Yosys and ABC of the emitted SystemVerilog of each module, with properties of queues; the \
             functional model, which shares the functions of a step with the netlist, but neither units nor control",
     has_configuration: false,
@@ -49,9 +51,9 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let counts = run_campaign(request, &mut verdict)?;
     let modules = check_modules(request, &mut verdict)?;
     let faults = check_mutants(request, &mut verdict)?;
-    let Counts { episodes, cycles, rays, errors, lost, resets } = counts;
+    let Counts { episodes, cycles, rays, searches, errors, lost, resets } = counts;
     verdict.covered = format!(
-        "{proofs}; {rays} rays in {episodes} episodes and {cycles} netlist cycles, {errors} with an error of the \
+        "{proofs}; {rays} rays and {searches} searches in {episodes} episodes and {cycles} netlist cycles, {errors} with an error of the \
          memory, {lost} ended by {resets} resets; {modules}; {faults}"
     );
     verdict.failures.truncate(FAILURES_SHOWN);

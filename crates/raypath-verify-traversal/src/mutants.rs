@@ -77,7 +77,11 @@ pub fn modules() -> Result<Vec<MutatedModule>, Error> {
         let unit = Arc::new(Setting::least(variant)?.unit);
         for module in verilog::modules(&unit.top)? {
             let text = verilog::print_module(&module, &[])?;
-            let faults = if module.name().starts_with("raypath_unit") { faults(&module) } else { Vec::new() };
+            let faults = if module.name().starts_with("raypath_unit") || module.name().starts_with("raypath_search") {
+                faults(&module)
+            } else {
+                Vec::new()
+            };
             if !faults.is_empty() && texts.insert(text) {
                 subjects.push(MutatedModule { variant, unit: unit.clone(), module, faults });
             }

@@ -5,6 +5,7 @@ use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
 use raypath_tools::ToolError;
 use raypath_traversal::blocks::NodeKind;
+use raypath_traversal::search::{SearchParameters, Searches};
 use raypath_traversal::{Front, NODE_LIMIT, Queries, StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 use raypath_verify::Error;
 use std::sync::Arc;
@@ -25,8 +26,11 @@ pub(super) const LEAST: UnitParameters = UnitParameters {
     divider_latency: 2,
     ram_latency: 1,
     parity: false,
-    search: raypath_traversal::search::Searches(None),
+    search: Searches(None),
 };
+
+/// The fewest indices that a search remembers.
+const FEW: SearchParameters = SearchParameters { remembered: 64, ..SearchParameters::MOST };
 
 /// The optional parts of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,24 +45,30 @@ pub enum Variant {
     Eight,
     /// Queries and nested instances.
     Queries,
+    /// Searches, without the others.
+    Searches,
 }
 
 impl Variant {
     /// All variants. A module that several have comes first in the unit about which its claim is.
-    pub const ALL: [Self; 5] = [Self::Plain, Self::Quantised, Self::Instances, Self::Eight, Self::Queries];
+    pub const ALL: [Self; 6] =
+        [Self::Plain, Self::Quantised, Self::Instances, Self::Eight, Self::Queries, Self::Searches];
 
     /// The parameters of a unit, with these parts.
     pub fn of(self, parameters: UnitParameters) -> UnitParameters {
-        let (has_more, nested) = (self != Self::Plain, self == Self::Queries);
+        let (has_more, nested) = (!matches!(self, Self::Plain | Self::Searches), self == Self::Queries);
         let queries = if nested { Queries::Full } else { Queries::None };
         let features =
             UnitFeatures { barycentrics: has_more, instances: has_more, nested, queries, ..UnitFeatures::OFF };
         let node = match self {
-            Self::Plain | Self::Instances | Self::Queries => NodeKind::Wide4,
+            Self::Plain | Self::Instances | Self::Queries | Self::Searches => NodeKind::Wide4,
             Self::Quantised => NodeKind::Quantised,
             Self::Eight => NodeKind::Wide8,
         };
-        UnitParameters { step: StepParameters { node, features, ..parameters.step }, ..parameters }
+        let least = SearchParameters { neighbours: 4, candidates: 32, contexts: 2, dimensions: 32, blocks: 16, ..FEW };
+        let searches = if parameters.contexts == LEAST.contexts { least } else { SearchParameters::default() };
+        let search = Searches((self == Self::Searches).then_some(searches));
+        UnitParameters { step: StepParameters { node, features, ..parameters.step }, search, ..parameters }
     }
 }
 

@@ -128,6 +128,8 @@ static void cycle_exact_model(const raypath_unit *unit) {
       }
     }
   }
+  raypath_search_outputs now;
+  CHECK(raypath_unit_model_search_outputs(model, &now) == RAYPATH_OK && now.searches_idle && now.search_ready);
   for (int job = 0; job < 3; job++) equal(found[job], job);
   raypath_unit_model_free(model);
   raypath_unit_model_free(restored);

@@ -1105,6 +1105,9 @@ class UnitOutputs:
     def request(self) -> tuple[int, int] | None:
         """The address of a block that is requested and the tag of its response, or None."""
     @property
+    def searches_idle(self) -> bool:
+        """."""
+    @property
     def job_ready(self) -> bool:
         """Whether a job of a search is accepted in this cycle."""
     @property

@@ -98,7 +98,8 @@ impl Searches {
     }
 
     pub fn outputs(&self) -> SearchOutputs {
-        SearchOutputs { ready: self.turns.can_enter(), result: self.results.shown(), request: self.fetch.request() }
+        let (result, request) = (self.results.shown(), self.fetch.request());
+        SearchOutputs { is_idle: self.is_idle(), ready: self.turns.can_enter(), result, request }
     }
 
     /// The beat that is next at the datapath, if a job of a ray is offered or not.

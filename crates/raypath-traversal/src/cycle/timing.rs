@@ -224,13 +224,8 @@ impl Timing {
     }
 
     /// No ray is in the unit.
-    fn has_no_ray(&self) -> bool {
-        self.queues.count(FREE) == self.fresh && self.hit.is_none()
-    }
-
-    /// Neither a ray nor a search is in the unit.
     pub fn is_idle(&self) -> bool {
-        self.has_no_ray() && self.searches.as_ref().is_none_or(Searches::is_idle)
+        self.queues.count(FREE) == self.fresh && self.hit.is_none()
     }
 
     /// The context whose candidate is at the port.
@@ -276,7 +271,7 @@ impl Timing {
     pub fn cycle(&mut self, contexts: &mut impl Contexts, edge: &Edge<'_>) {
         // Each part reads what the parts after it had in registers, because it comes after them.
         let chosen = self.choose();
-        let flushes = edge.flush | (self.flushes & !self.has_no_ray());
+        let flushes = edge.flush | (self.flushes & !self.is_idle());
         let enters_instance = self.rays(contexts, edge.ray);
         self.hits(contexts, edge.hit_ready | self.flushes);
         self.candidates(edge);

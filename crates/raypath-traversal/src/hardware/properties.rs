@@ -36,12 +36,11 @@ impl UnitNetlist {
             text,
             "\nbind raypath_unit raypath_unit_ports_properties #(\n    .Contexts ({contexts}),\n    .ContextWidth \
              ({}),\n    .Beats ({beats})\n  ) u_ports_properties (\n    .clk_i (clk_i),\n    .rst_ni (rst_ni),\n    \
-             .idle_i ({}),\n    .enters_i (ray_valid_i & ray_ready_o),\n    .leaves_i (hit_valid_o & hit_ready_i),\n    .requests_i \
+             .idle_i (idle_o),\n    .enters_i (ray_valid_i & ray_ready_o),\n    .leaves_i (hit_valid_o & hit_ready_i),\n    .requests_i \
              (mem_req_valid_o & mem_req_ready_i),\n    .request_tag_i (mem_req_tag_o),\n    .arrives_i \
              (mem_rsp_valid_i & mem_rsp_ready_o),\n    .arrival_tag_i (mem_rsp_tag_i),\n    .asks_i ({}),\n    \
              .asked_tag_i ({}),\n    .answers_i ({}),\n    .answer_tag_i ({})\n  );\n",
             bits(contexts),
-            if self.parameters.search.0.is_some() { "rays_are_idle" } else { "idle_o" },
             of_candidates("cand_valid_o & cand_ready_i"),
             of_candidates("cand_tag_o"),
             of_candidates("answer_valid_i & answer_ready_o"),

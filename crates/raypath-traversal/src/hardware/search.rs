@@ -7,9 +7,11 @@
 //! depend on neither the memory nor other searches.
 
 mod beats;
+mod bursts;
 mod engine;
 mod fetch;
 mod filter;
+mod job;
 mod list;
 mod ranks;
 mod results;
@@ -17,10 +19,11 @@ mod turns;
 mod widen;
 mod wiring;
 
+pub(crate) use bursts::WAITING as TURNS_WAITING;
 pub use engine::{SearchPorts, search_engine};
 pub(crate) use filter::WAITING as FILTER_WAITING;
 pub(crate) use list::PER_WORD as LIST_PER_WORD;
 pub(crate) use ranks::IN_FLIGHT as RANKS_IN_FLIGHT;
 pub(crate) use results::{DIGITS as RESULTS_DIGITS, WAITING as RESULTS_WAITING};
-pub(crate) use turns::{Phase, WAITING as TURNS_WAITING};
+pub(crate) use turns::Phase;
 pub(crate) use wiring::Burst;

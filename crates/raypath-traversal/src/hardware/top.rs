@@ -618,12 +618,10 @@ impl<'m> Top<'m> {
     ) {
         let (m, StepParameters { features, node, .. }) = (self.m, self.parameters.step);
         let (flushes, has_hit) = (ports.flushes.wire(), hits.port("valid"));
-        let idle = rays.port("is_idle") & !has_hit;
-        let idle = idle.named(if searches.is_some() { "rays_are_idle" } else { "idle" });
-        let is_idle = searches.map_or(idle, |searches| (idle & searches.engine.port("is_idle")).named("idle"));
+        let idle = (rays.port("is_idle") & !has_hit).named("idle");
         ports.flushes.next(ports.flush | (flushes & !idle));
-        m.output("idle_o", is_idle);
-        m.output("busy_o", !is_idle);
+        m.output("idle_o", idle);
+        m.output("busy_o", !idle);
         m.output("ray_ready_o", rays.port("ready") & !flushes);
         m.output("hit_valid_o", has_hit & !flushes);
         m.output("hit_id_o", rays.port("id"));
@@ -653,6 +651,7 @@ impl<'m> Top<'m> {
         m.output("mem_req_tag_o", request.port("context"));
         m.output("mem_rsp_ready_o", m.constant(1, 1));
         if let Some(SearchParts { engine, .. }) = searches {
+            m.output("searches_idle_o", engine.port("is_idle"));
             m.output("search_ready_o", engine.port("search_ready"));
             for stem in ["result", "vec_req"] {
                 engine.under(stem).into_iter().for_each(|(name, wire)| m.output(&format!("{stem}_{name}_o"), wire));

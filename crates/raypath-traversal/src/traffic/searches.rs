@@ -36,6 +36,10 @@ pub struct SearchTraffic<'m> {
     /// How each job has ended, and its neighbours, by its number.
     pub replies: BTreeMap<u64, (SearchStatus, Vec<Neighbour>)>,
     open: BTreeMap<u64, Vec<Neighbour>>,
+    /// How many jobs were inside at resets.
+    lost: usize,
+    /// A channel moved in the last cycle.
+    pub(super) moves: bool,
 }
 
 struct Pending {
@@ -61,24 +65,38 @@ impl<'m> SearchTraffic<'m> {
             beat: Vec::new(),
             replies: BTreeMap::new(),
             open: BTreeMap::new(),
+            lost: 0,
+            moves: false,
         }
     }
 
-    /// All jobs have ended.
+    /// All jobs have ended or were lost.
     pub fn is_done(&self) -> bool {
-        self.replies.len() == self.jobs.len()
+        self.replies.len() + self.lost == self.jobs.len()
     }
 
     /// No job is in the unit.
-    pub fn is_idle(&self) -> bool {
-        self.replies.len() == self.next
+    fn is_idle(&self) -> bool {
+        self.replies.len() + self.lost == self.next
+    }
+
+    /// Jobs inside are lost, and the memory forgets its requests.
+    pub(super) fn reset(&mut self) {
+        self.lost = self.next - self.replies.len();
+        self.pending.clear();
+        self.open.clear();
+        (self.held, self.offers) = ((None, None), false);
     }
 
     /// The inputs in a cycle with these outputs.
     pub(super) fn cycle(&mut self, outputs: &SearchOutputs) -> Result<SearchInputs<'_>, ProtocolError> {
         let now = self.now;
         self.now += 1;
-        let SearchOutputs { ready, result, request } = *outputs;
+        let SearchOutputs { is_idle, ready, result, request } = *outputs;
+        if is_idle != self.is_idle() {
+            let inside = self.next - self.replies.len() - self.lost;
+            return Err(wrong(format!("cycle {now}: searches are idle is {is_idle}, with {inside} jobs inside")));
+        }
         let (held, asked) = &self.held;
         if held.is_some() && *held != result || asked.is_some() && *asked != request {
             return Err(wrong(format!("cycle {now}: {:?} waits and becomes {outputs:?}", self.held)));
@@ -102,6 +120,7 @@ impl<'m> SearchTraffic<'m> {
         if let Some(request) = request.filter(|_| request_ready) {
             self.ask(now, request)?;
         }
+        self.moves = job.is_some() && ready || result.is_some() && result_ready || response.is_some();
         let response = response.map(|(tag, is_error)| Response { tag, is_error, beat: &self.beat });
         Ok(SearchInputs { job, result_ready, request_ready, response })
     }

@@ -59,8 +59,8 @@ pub struct ModelChecker {
 
 /// The time limit for a problem.
 const LIMIT: Duration = Duration::from_secs(600);
-/// Cycles of an induction's base case.
-const BASE_CYCLES: u32 = 8;
+/// Cycles of an induction's base case: those of the deepest step.
+const BASE_CYCLES: u32 = MAX_DEPTH;
 /// The largest k of an induction.
 const MAX_DEPTH: u32 = 3;
 
@@ -203,7 +203,7 @@ mod tests {
             CheckResult::Undecided
         );
         assert_eq!(result("No output asserted in 8 frames.\nStatus = -1\n", Method::Unbounded), CheckResult::Undecided);
-        let base = "No output asserted in 8 frames.\nStatus = -1  Frames = 7\n";
+        let base = "No output asserted in 3 frames.\nStatus = -1  Frames = 2\n";
         assert_eq!(result(&format!("{base}Status = 1  Frames = -1\n"), Method::Inductive), CheckResult::Holds);
         assert_eq!(result("Status = 1  Frames = -1\n", Method::Inductive), CheckResult::Undecided);
         let refuted = "Status = 0  Frames = 4\nStatus = -1  Frames = -1\n";

@@ -49,6 +49,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     netlist::run(&mut results, repetitions, !arguments.no_verilator)?;
     say("the traversal unit");
     unit::run(&mut results, repetitions, !arguments.no_verilator)?;
+    unit::searches(&mut results, repetitions, !arguments.no_verilator)?;
     say("rays, compared with obvhs, and distances");
     peers::rays(&mut results, repetitions)?;
     peers::distances(&mut results, repetitions)?;

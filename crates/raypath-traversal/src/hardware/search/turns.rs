@@ -1,25 +1,17 @@
 //! What each search fetches next.
 
-use super::super::connect::{Access, Inputs, Named, hold, keep, named, select};
-use super::super::queue::queue;
+use super::super::connect::{Access, hold, keep, named, select};
 use super::super::scheduler::{after_last, lowest};
+use super::bursts::{Asked, BURST_COLUMNS, Lookup, Sweep, bursts};
 use super::fetch::COUNT_BITS;
-use super::list::place_bits;
-use super::wiring::{
-    BLOCK_BITS, BLOCK_SHIFT, BURST_BITS, Burst, WORDS, bit_of, context_bits, key_of, number_of, one_hot, when,
-};
+use super::job::Settings;
+use super::wiring::{BLOCK_BITS, Burst, WORDS, bit_of, context_bits, number_of, one_hot, when};
 use crate::search::SearchParameters;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
 /// Vectors or indices of a turn.
 const PER_TURN: u64 = WORDS as u64;
-
-/// Bursts that wait for the fetch.
-pub const WAITING: u32 = 16;
-
-/// Indices in a word of the memory of those that were compared.
-const WAYS: u32 = 8;
 
 /// The phases of a search. What comes in its next turn:
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -245,156 +237,20 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     number_q.next_when(moves.wire(), scans.mux(next_number, number));
     left_q.next_when(moves.wire(), scans.mux(next_left, left));
 
-    m.section("The address, and whether the vector was compared before");
-    let has_burst = m.register("has_burst_q", 1).reset_to(0);
-    let leaves = m.forward("leaves", 1);
-    moves.drive(!has_burst.wire() | leaves.wire());
-    let loads = (asks & moves.wire()).named("loads");
-    has_burst.next(loads | (has_burst.wire() & !leaves.wire()));
-    let held = |name: &str, wire| hold(&format!("burst_{name}_q"), loads, wire);
-    let (kind, burst_context, index) = (held("kind", kind), held("context", context.wire()), held("index", index));
-    let (base, factor, stride, offset) =
-        (held("base", base), held("factor", factor), held("stride", stride), held("offset", offset));
-    let (count, is_compared) = (held("count", blocks), held("is_compared", compares));
-    let is_outside = held("is_outside", !compared.less(of_job("count")));
-    let sets = parameters.remembered / WAYS;
-    let set_bits = sets.ilog2();
-    let set = (compared.lower(set_bits) ^ compared.bits(2 * set_bits - 1, set_bits)).named("compared_set");
-    let set_q = held("set", set);
-    let (writes, ways) =
-        (m.forward("remembers", 1), (0..WAYS).map(|k| m.forward(&format!("new_way_{k}"), 32)).collect::<Vec<_>>());
-    let sweep_set = m.register("sweep_set_q", set_bits).reset_to(0);
-    let sweep = (sweeps.wire() & !writes.wire()).named("sweep");
-    sweep_set.next_when(sweep, sweep_set.wire() + m.constant(set_bits, 1));
-    sweeps.next(enters | (sweeps.wire() & !(sweep & sweep_set.wire().all())));
-    let write = m.concat(&[sweep.mux(swept, burst_context), sweep.mux(sweep_set.wire(), set_q)]);
-    let stored = ways.iter().enumerate().map(|(k, way)| named(&format!("way_{k}"), way.wire())).collect();
-    let depth = contexts.next_power_of_two() * sets;
-    let read = (loads & compares, m.concat(&[context.wire(), set]));
-    let known = keep("u_compared", depth, (writes.wire() | sweep, write), stored, read);
-    let is_known =
-        m.concat(&known.iter().map(|(_, way)| way.equals(index)).collect::<Vec<_>>()).any().named("is_known");
-    let skips = (is_compared & (is_outside | is_known)).named("skips");
-    let offers = (has_burst.wire() & !skips).named("offers");
-    let count_q = m.register("count_q", WAITING.ilog2() + 1).reset_to(0);
-    let can_push = (!count_q.wire().top()).named("can_push");
-    let pushes = (offers & can_push).named("pushes");
-    leaves.drive(has_burst.wire() & (skips | can_push));
-    writes.drive(pushes & is_compared);
-    let new = [index].into_iter().chain(known.iter().map(|(_, way)| *way));
-    ways.iter().zip(new).for_each(|(forward, way)| forward.drive(way | sweep.replicate(32)));
-    let product = (factor * stride).named("product");
-    m.unused("unused_product", &[product.upper(BLOCK_BITS)]);
-    let block = base + product.lower(BLOCK_BITS) + offset;
-    let block = of_enter.get(1).map_or(block, |(_, base)| m.concat(&[held("upper", *base), block]));
-
-    m.section("Bursts that wait, so that indices which are skipped cost no time");
-    let columns =
-        [("kind", BURST_BITS), ("context", width), ("index", 32), ("block", block.width()), ("count", COUNT_BITS)];
-    let pops = m.forward("pops", 1);
-    let step = m.concat(&[(!pushes & pops.wire()).replicate(count_q.wire().width() - 1), pushes ^ pops.wire()]);
-    count_q.next(count_q.wire() + step);
-    let bursts = [kind, burst_context, index, block, count];
-    let queue = Inputs::default()
-        .port("push", pushes)
-        .ports(columns.iter().zip(bursts).map(|((name, _), wire)| named(name, wire)))
-        .port("pop", pops.wire())
-        .place(m, "u_bursts", &queue("raypath_search_bursts", WAITING, &columns)?);
-    pops.drive(queue.port("valid") & burst_ready);
+    let asked = Asked { asks, kind, context: context.wire(), index, base, factor, stride, offset, blocks, compares };
+    let sweep = Sweep { enters, context: swept, goes_on: sweeps };
+    let lookup = Lookup { compared, count: of_job("count"), upper: of_enter.get(1).map(|(_, base)| *base) };
+    let queue = bursts(m, parameters, &asked, &lookup, sweep, (moves, burst_ready))?;
 
     m.output("enter_ready_o", can_enter);
     m.output("entered_o", enters);
     m.output("entered_context_o", entered);
     m.output("is_idle_o", !in_use.wire().any());
     m.output("burst_valid_o", queue.port("valid"));
-    columns.iter().for_each(|(name, _)| m.output(&format!("burst_{name}_o"), queue.port(name)));
+    BURST_COLUMNS.iter().for_each(|name| m.output(&format!("burst_{name}_o"), queue.port(name)));
     job.outputs(m);
     builder.finish()
 }
 
 /// Bits of the number of a turn's step: the list or the query, indices or vectors, and a marker.
 const STEP_BITS: u32 = 5;
-
-/// What follows from the words of a job.
-struct Settings<'m> {
-    words: &'m [Wire<'m>],
-    parameters: SearchParameters,
-    refused: Wire<'m>,
-    /// Blocks of a vector.
-    blocks: Wire<'m>,
-}
-
-impl<'m> Settings<'m> {
-    fn of(m: &'m Builder, parameters: SearchParameters, words: &'m [Wire<'m>]) -> Self {
-        m.section("The job that was loaded: whether a word is outside its range");
-        let (low, high) = (|k: usize| words[k].lower(16), |k: usize| words[k].upper(16));
-        let most = |wire: Wire<'m>, most: u32| !m.constant(wire.width(), most.into()).less(wire);
-        let place = words[0].lower(4);
-        let [is_list, is_graph] = [place.any(), place.is(2)];
-        let elements = words[0].bits(9, 8);
-        let dimensions = low(1).lower(13);
-        let blocks = |shift: u32| {
-            let whole = dimensions.upper(13 - shift).extend(COUNT_BITS);
-            whole + dimensions.lower(shift).any().extend(COUNT_BITS)
-        };
-        let blocks = elements.bit(1).mux(blocks(6), elements.bit(0).mux(blocks(5), blocks(4))).named("job_blocks");
-        let is_aligned = |k: usize| !words[k].lower(BLOCK_SHIFT).any();
-        let (k, candidates) = (high(0), high(1));
-        let scale = words[12];
-        let of_graph = is_aligned(8) & !high(7).any() & !candidates.less(k) & most(candidates, parameters.candidates);
-        let holds = [
-            most(place, 2),
-            most(words[0].bits(7, 4), 2),
-            most(words[0].bits(11, 8), 2),
-            !words[0].bits(15, 12).any(),
-            k.any() & most(k, parameters.neighbours),
-            low(1).any() & most(low(1), parameters.dimensions),
-            is_aligned(2) & is_aligned(3) & is_aligned(4),
-            !words[4].upper(BLOCK_BITS).less(blocks.extend(BLOCK_BITS)),
-            !is_list | is_aligned(6),
-            !is_graph | of_graph,
-            !m.constant(31, 0x7f80_0000).less(words[11].lower(31)),
-            !scale.top() & scale.any() & !scale.bits(30, 23).all(),
-            !m.concat(&[words[13].any(), words[14].any(), words[15].any()]).any(),
-        ];
-        Self { words, parameters, refused: (!m.concat(&holds).all()).named("is_refused"), blocks }
-    }
-
-    /// What turns need of it.
-    fn kept(&self) -> Named<'m> {
-        let Self { words, refused, blocks, .. } = self;
-        let block = |k: usize| words[k].upper(BLOCK_BITS);
-        let named_words = [
-            ("place", words[0].lower(2)),
-            ("cosine", words[0].bit(5)),
-            ("refused", *refused),
-            ("blocks", *blocks),
-            ("query", block(2)),
-            ("vectors", block(3)),
-            ("stride", block(4)),
-            ("count", words[5]),
-            ("list", block(6)),
-            ("len", words[7]),
-            ("entries", block(8)),
-            ("entry_count", words[9]),
-            ("expansions", words[10]),
-        ];
-        named_words.map(|(name, wire)| named(name, wire)).to_vec()
-    }
-
-    /// What the list of candidates and results need of it.
-    fn outputs(&self, m: &'m Builder) {
-        let Self { words, parameters, refused, .. } = self;
-        let width = place_bits(*parameters);
-        let last = |count: Wire<'m>| count.lower(width) - m.constant(width, 1);
-        let neighbour = last(words[0].upper(16));
-        let rest = words[11].lower(31);
-        let bound = key_of(m.concat(&[words[11].top() & rest.any(), rest]));
-        m.output("bound_o", bound);
-        m.output("neighbour_o", neighbour);
-        m.output("candidate_o", words[0].bit(1).mux(last(words[1].upper(16)), neighbour));
-        m.output("refused_o", *refused);
-        m.output("metric_o", words[0].bits(5, 4));
-        m.output("scale_o", words[12]);
-    }
-}
