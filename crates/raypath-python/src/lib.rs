@@ -12,7 +12,6 @@ mod job;
 mod pipeline;
 mod query;
 mod render;
-mod search;
 mod tables;
 mod timing;
 mod unit;
@@ -62,8 +61,6 @@ mod _raypath {
     use crate::query::RayQuery;
     #[pymodule_export]
     use crate::render::{PyScene, Rendering, render, trace};
-    #[pymodule_export]
-    use crate::search::{Search, search};
     #[pymodule_export]
     use crate::tables::{operations, parameters, presets, read_card};
     #[pymodule_export]

@@ -2,7 +2,6 @@
 
 use crate::array::matrix;
 use crate::error::value_error;
-use crate::search::vectors;
 use crate::tables::row;
 use crate::unit::Unit;
 use crate::watch::watched;
@@ -11,8 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use raypath_search::{
-    Graph, GraphParameters, LaneCount, Layer, MemoryLimit, Metric, SearchMemory, UnitJobs, UnitSpec, UnitTiming,
-    Vectors,
+    GraphParameters, Layer, MemoryLimit, Metric, SearchMemory, UnitJobs, UnitSpec, UnitTiming, Vectors,
 };
 use raypath_traversal::search::{Elements, Neighbour, SearchMetric};
 use std::path::PathBuf;
@@ -218,9 +216,7 @@ pub fn search(
     let saved_layer = saved.as_ref().map(|saved| &saved.get().layer);
     let ef = ef.unwrap_or((5 * k).min(searches.candidates as usize)).max(k);
     watched(py, |progress| {
-        let layer = built.map(|(graph, metric)| {
-            Graph::build(base, metric, LaneCount::Sixteen, &graph, progress).and_then(|graph| graph.lowest_layer())
-        });
+        let layer = built.map(|(graph, metric)| Layer::build(base, metric, &graph, progress).map(|(layer, _)| layer));
         let layer = layer.transpose().map_err(value_error)?;
         let graph = layer.as_ref().or(saved_layer).map(|layer| (layer, ef));
         let spec = UnitSpec { base, queries: &queries, metric, elements, neighbours: k, bound, graph, unit: searches };
@@ -266,4 +262,11 @@ fn graph_metric(metric: SearchMetric) -> PyResult<Metric> {
             Err(value_error("index: found \"hnsw\" for dot products, expected the metric euclidean or cosine"))
         }
     }
+}
+
+fn vectors(py: Python<'_>, array: &Bound<'_, PyAny>, name: &str) -> PyResult<Vectors> {
+    let (numbers, _, dimensions) = matrix(array, name)?;
+    let numbers = &*numbers;
+    py.detach(|| Vectors::new(dimensions, numbers.to_vec()))
+        .map_err(|problem| value_error(format!("{name}: {problem}")))
 }

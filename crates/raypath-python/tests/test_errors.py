@@ -79,13 +79,6 @@ ARRAYS: list[tuple[Callable[[Any], Any], str]] = [
     (lambda d: raypath.render(SCENE, datapath=raypath.Datapath("half")), r"datapath: found .*fp16.* fp32"),
     (lambda d: raypath.trace(SCENE, ONES), r"rays: found a float32 array"),
     (lambda d: raypath.UnitHits(ONES), r"array: found another object, expected the structured array"),
-    (lambda d: raypath.search(PAIR, PAIR[:, :3].copy(), k=1), r"queries of 3 dimensions, expected 40"),
-    (lambda d: raypath.search(PAIR, PAIR, k=5), r"5 neighbours requested, expected 1 to 4"),
-    (lambda d: raypath.search(NAN, ONES, k=1), r"vectors: vector 0, coordinate 0: found NaN"),
-    (lambda d: raypath.search(ONES, NAN, k=1), r"queries: vector 0, coordinate 0: found NaN"),
-    (lambda d: raypath.search(ONES, ONES, k=1, metric="x"), r"metric `x`, expected"),  # type: ignore[arg-type]
-    (lambda d: raypath.search(ONES, ONES, k=1, index="x"), r"index: found 'x'"),  # type: ignore[arg-type]
-    (lambda d: raypath.search(ONES, ONES, k=1, datapath=raypath.Datapath("graphics")), r"datapath: found no lanes"),
     (lambda d: raypath.Unit().search(PAIR, PAIR, k=1), r"a unit without searches, expected .*search="),
     (lambda d: SEARCHES.search(PAIR, PAIR[:, :3].copy(), k=1), r"queries of 3 dimensions, expected 40"),
     (lambda d: SEARCHES.search(PAIR, PAIR, k=5), r"5 neighbours requested, expected 1 to 4"),

@@ -15,6 +15,7 @@ SHAPES: dict[str, tuple[tuple[int, ...], str]] = {
     "points": ((3,), "f4"),
     "faces": ((3,), "u4"),
 }
+SEARCHES = raypath.Unit(search="k=1,m=9,dimensions=64")
 RAYS: Any = raypath.rays(np.zeros((6, 3), np.float32), np.ones((6, 3), np.float32))
 
 
@@ -69,7 +70,7 @@ CALLS: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "angular": (("vectors", "vectors"), lambda d, a, b: d.angular(a, b)),
     "rays": (("points", "points"), lambda d, a, b: raypath.rays(a, b)),
     "quadbox_of_any_rays": (("points", "boxes"), lambda d, rays, boxes: d.quadbox(rays, boxes)),
-    "search": (("vectors", "vectors"), lambda d, a, b: raypath.search(a, b, k=1)),
+    "search": (("vectors", "vectors"), lambda d, a, b: SEARCHES.search(a, b, k=1)),
     "trace": (("points", "faces"), lambda d, vertices, faces: raypath.trace(raypath.Scene(vertices, faces), RAYS)),
 }
 

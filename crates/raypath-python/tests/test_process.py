@@ -74,7 +74,7 @@ def test_the_interpreter_lock_is_released(datapath: raypath.Datapath, is_model: 
 @pytest.mark.parametrize(
     "work",
     [
-        "raypath.search(np.ones((200_000, 128), np.float32), np.ones((20_000, 128), np.float32))",
+        "raypath.Unit(search='k=16,m=64').search(*(np.ones((n, 128), np.float32) for n in (200_000, 20_000)))",
         "raypath.render(raypath.Scene(vertices, faces), size=(4000, 4000), samples=2, ao=9)",
         "raypath.Scene(random((2_000_000, 3)), np.arange(1_998_000).reshape(-1, 3))",
         "raypath.Unit().scene(random((600_000, 3, 3)))",

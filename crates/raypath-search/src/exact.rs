@@ -1,9 +1,7 @@
 use crate::kernel::{self, Blocks, Lane};
-use crate::lanes::with_lanes;
+use crate::metric::LANES;
 use crate::results::Nearest;
-use crate::{
-    LaneCount, Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance,
-};
+use crate::{Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance};
 use rayon::prelude::*;
 use raypath_model::{BLOCK, Level, Simd, dispatch};
 use raypath_ops::{Angular, AngularState, Euclidean, EuclideanState, Rounding, array_of};
@@ -16,7 +14,6 @@ use std::time::Instant;
 #[derive(Debug, Clone)]
 pub struct Exact {
     metric: Metric,
-    lanes: LaneCount,
     level: Level,
     dimensions: usize,
     len: usize,
@@ -34,16 +31,16 @@ const GROUP: usize = 32;
 
 impl Exact {
     /// Prepares a base for search with the widest SIMD registers of the machine.
-    pub fn new(base: &Vectors, metric: Metric, lanes: LaneCount) -> Self {
-        Self::at(Level::new(), base, metric, lanes)
+    pub fn new(base: &Vectors, metric: Metric) -> Self {
+        Self::at(Level::new(), base, metric)
     }
 
     /// Prepares a base for search with the given SIMD instructions, which affect speed only.
-    pub fn at(level: Level, base: &Vectors, metric: Metric, lanes: LaneCount) -> Self {
-        let mut norms = norms(base, metric, lanes);
+    pub fn at(level: Level, base: &Vectors, metric: Metric) -> Self {
+        let mut norms = norms(base, metric);
         norms.resize(norms.len().next_multiple_of(BLOCK), 0.0);
-        let blocks = Blocks::new(base, metric.lanes(lanes));
-        Self { metric, lanes, level, dimensions: base.dimensions(), len: base.len(), blocks, norms }
+        let blocks = Blocks::new(base, metric.lanes());
+        Self { metric, level, dimensions: base.dimensions(), len: base.len(), blocks, norms }
     }
 
     /// Searches the `count` nearest neighbours of each query on all threads of rayon. The result does not depend on the
@@ -84,7 +81,7 @@ impl Exact {
     pub fn work(&self, queries: usize) -> Work {
         let candidates = self.len as u64 + u64::from(self.metric == Metric::Angular);
         let evaluations = queries as u64 * candidates;
-        Work::of(evaluations, self.metric, self.lanes, self.dimensions)
+        Work::of(evaluations, self.metric, self.dimensions)
     }
 
     fn group(&self, queries: &[f32], count: usize, progress: &ProgressCounter) -> Vec<Vec<Neighbour>> {
@@ -93,9 +90,7 @@ impl Exact {
         let tile = (TILE / (self.blocks.padded() * size_of::<Lane>())).max(1);
         for (number, blocks) in self.blocks.tiles(tile).enumerate() {
             let first = number * tile * BLOCK;
-            with_lanes!(self.lanes, E, A => {
-                dispatch!(self.level, simd => self.tile::<_, E, A>(simd, &mut queries, first, blocks))
-            });
+            dispatch!(self.level, simd => self.tile(simd, &mut queries, first, blocks));
             if !progress.add(0) {
                 return Vec::new();
             }
@@ -105,7 +100,7 @@ impl Exact {
     }
 
     fn query(&self, query: &[f32], count: usize) -> Query {
-        let norm = kernel::query_norm(self.metric, self.lanes, query);
+        let norm = kernel::query_norm(self.metric, query);
         let mut padded = query.to_vec();
         padded.resize(self.blocks.padded(), 0.0);
         Query { padded, norm, nearest: Nearest::new(count) }
@@ -113,13 +108,7 @@ impl Exact {
 
     /// Compares each query with each of the blocks, whose first candidate has index `first`.
     #[inline(always)]
-    fn tile<S: Simd, const E: usize, const A: usize>(
-        &self,
-        simd: S,
-        queries: &mut [Query],
-        first: usize,
-        blocks: &[Lane],
-    ) {
+    fn tile<S: Simd>(&self, simd: S, queries: &mut [Query], first: usize, blocks: &[Lane]) {
         let firsts = || (first..).step_by(BLOCK);
         for query in queries {
             let blocks = firsts().zip(blocks.chunks_exact(self.blocks.padded()));
@@ -128,7 +117,7 @@ impl Exact {
                     for (first, block) in blocks {
                         let squared = kernel::block(
                             simd,
-                            &Euclidean::<E> { rounding: Rounding::Unit },
+                            &Euclidean::<LANES> { rounding: Rounding::Unit },
                             EuclideanState::zero,
                             |sums| sums.accumulator,
                             &query.padded,
@@ -142,7 +131,7 @@ impl Exact {
                     for ((first, block), norms) in blocks.zip(self.norms[first..].as_chunks::<BLOCK>().0) {
                         let dots = kernel::block(
                             simd,
-                            &Angular::<A> { rounding: Rounding::Unit },
+                            &Angular::<{ LANES / 2 }> { rounding: Rounding::Unit },
                             AngularState::zero,
                             |sums| sums.dot_product,
                             &query.padded,
@@ -194,12 +183,12 @@ pub(crate) fn check(dimensions: usize, len: usize, queries: usize, count: usize)
 }
 
 /// The squared norm of each vector for the angular metric, with the bits of the datapath; none for the other.
-pub(crate) fn norms(vectors: &Vectors, metric: Metric, lanes: LaneCount) -> Vec<f32> {
+pub(crate) fn norms(vectors: &Vectors, metric: Metric) -> Vec<f32> {
     match metric {
         Metric::Euclidean => Vec::new(),
         Metric::Angular => {
             let rows = vectors.data().par_chunks(vectors.dimensions());
-            rows.map(|row| kernel::norm(lanes, row)).collect()
+            rows.map(kernel::norm).collect()
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The graph of Malkov and Yashunin, *Efficient and robust approximate nearest neighbor search using Hierarchical
-//! Navigable Small World graphs* (2018): its algorithms 1 (insert), 2 (search a layer), 4 (select neighbours by the
-//! heuristic, without the extensions) and 5 (search).
+//! Navigable Small World graphs* (2018): its algorithms 1 (insert), 2 (search a layer) and 4 (select neighbours by the
+//! heuristic, without the extensions).
 
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -28,7 +28,7 @@ pub struct Hnsw {
 /// An item and its distance, at least +0, in a word whose order is that of distances, then of numbers: the bits of
 /// numbers that are not negative have their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Near(u64);
+struct Near(u64);
 
 impl Near {
     #[inline(always)]
@@ -38,7 +38,7 @@ impl Near {
 
     /// The number of the item.
     #[inline(always)]
-    pub fn item(self) -> u32 {
+    fn item(self) -> u32 {
         self.0 as u32
     }
 
@@ -50,7 +50,7 @@ impl Near {
 
 /// The items that a search has visited.
 #[derive(Debug, Clone)]
-pub struct Scratch {
+struct Scratch {
     /// The number of the search that visited each item last.
     visited: Vec<u32>,
     search: u32,
@@ -108,17 +108,6 @@ impl Hnsw {
         if level > top {
             self.entry = Some(item);
         }
-    }
-
-    /// The nearest items of a query, nearest first: at most `ef`, which are the candidates that are kept.
-    #[inline(always)]
-    pub fn search(&self, ef: usize, scratch: &mut Scratch, distance: &mut impl FnMut(u32) -> f32) -> Vec<Near> {
-        let Some(entry) = self.entry else { return Vec::new() };
-        let mut near = vec![Near::new(distance(entry), entry)];
-        for layer in (1..=self.upper[entry as usize].len()).rev() {
-            near = self.search_layer(layer, near, 1, scratch, distance);
-        }
-        self.search_layer(0, near, ef, scratch, distance)
     }
 
     /// Algorithm 2: the nearest items of a layer, found from those of `near`, nearest first.

@@ -1,9 +1,9 @@
 //! Evaluation of the distance operations of `raypath_ops` for searches: one candidate in the order of their sums
 //! ([`squared`], [`dot_product`]), or sixteen in parallel by the operations over [`Lanes`] ([`block`]).
 
-use crate::lanes::with_lanes;
+use crate::metric::LANES;
 use crate::vectors::Vectors;
-use crate::{LaneCount, Metric, cosine_distance, euclidean_distance};
+use crate::{Metric, cosine_distance, euclidean_distance};
 use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, Simd, SimdKernels};
 use raypath_ops::{Beat, BeatInput, Binary32, Circuit, Family, Flags, Kernels, Num, Operation, array_of};
 
@@ -47,36 +47,36 @@ impl Blocks {
 
 /// The squared Euclidean distance of a query and one candidate.
 #[inline(always)]
-pub(crate) fn squared(lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f32 {
+pub(crate) fn squared(query: &[f32], candidate: &[f32]) -> f32 {
     let square = |a: f32, b: f32| (a - b) * (a - b);
-    with_lanes!(lanes, E, A => sum_of_beats::<E>(query, candidate, square))
+    sum_of_beats::<LANES>(query, candidate, square)
 }
 
 #[inline(always)]
-pub(crate) fn dot_product(lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f32 {
-    with_lanes!(lanes, E, A => sum_of_beats::<A>(query, candidate, |a, b| a * b))
+pub(crate) fn dot_product(query: &[f32], candidate: &[f32]) -> f32 {
+    sum_of_beats::<{ LANES / 2 }>(query, candidate, |a, b| a * b)
 }
 
 #[inline(always)]
-pub(crate) fn norm(lanes: LaneCount, vector: &[f32]) -> f32 {
-    dot_product(lanes, vector, vector)
+pub(crate) fn norm(vector: &[f32]) -> f32 {
+    dot_product(vector, vector)
 }
 
 /// The squared norm of a query for the angular metric, 0 for the other.
-pub(crate) fn query_norm(metric: Metric, lanes: LaneCount, query: &[f32]) -> f32 {
+pub(crate) fn query_norm(metric: Metric, query: &[f32]) -> f32 {
     match metric {
         Metric::Euclidean => 0.0,
-        Metric::Angular => norm(lanes, query),
+        Metric::Angular => norm(query),
     }
 }
 
 /// The distance of a query and one candidate.
-pub(crate) fn distance(metric: Metric, lanes: LaneCount, query: &[f32], candidate: &[f32]) -> f64 {
+pub(crate) fn distance(metric: Metric, query: &[f32], candidate: &[f32]) -> f64 {
     match metric {
-        Metric::Euclidean => euclidean_distance(squared(lanes, query, candidate)),
+        Metric::Euclidean => euclidean_distance(squared(query, candidate)),
         Metric::Angular => {
-            let dot = dot_product(lanes, query, candidate);
-            cosine_distance(dot, norm(lanes, query), norm(lanes, candidate))
+            let dot = dot_product(query, candidate);
+            cosine_distance(dot, norm(query), norm(candidate))
         }
     }
 }

@@ -1,6 +1,8 @@
-use crate::LaneCount;
 use raypath_ops::JobKind;
 use raypath_traversal::search::SearchMetric;
+
+/// The Euclidean lanes of the datapath, as in the paper.
+pub(crate) const LANES: usize = 16;
 
 /// The distance by which neighbours are ordered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -23,17 +25,17 @@ impl Metric {
         }
     }
 
-    /// The number of lanes of this metric.
-    pub(crate) fn lanes(self, lanes: LaneCount) -> usize {
+    /// The lanes of the datapath that compute this metric.
+    pub fn lanes(self) -> usize {
         match self {
-            Self::Euclidean => lanes.euclidean(),
-            Self::Angular => lanes.euclidean() / 2,
+            Self::Euclidean => LANES,
+            Self::Angular => LANES / 2,
         }
     }
 
     /// The number of beats of one vector.
-    pub fn beats(self, lanes: LaneCount, dimensions: usize) -> u64 {
-        dimensions.div_ceil(self.lanes(lanes)) as u64
+    pub fn beats(self, dimensions: usize) -> u64 {
+        dimensions.div_ceil(self.lanes()) as u64
     }
 }
 

@@ -1,5 +1,5 @@
 use crate::kernel::distance;
-use crate::{LaneCount, Metric, Neighbours, SearchError, SearchResults, Vectors};
+use crate::{Metric, Neighbours, SearchError, SearchResults, Vectors};
 use std::collections::HashSet;
 
 /// Recall at `count`: the mean fraction of the `count` true neighbours that a search found, between 0 and 1.
@@ -17,7 +17,6 @@ pub fn recall(
     base: &Vectors,
     queries: &Vectors,
     metric: Metric,
-    lanes: LaneCount,
     count: usize,
 ) -> Result<f64, SearchError> {
     crate::exact::check(base.dimensions(), base.len(), queries.dimensions(), count)?;
@@ -34,7 +33,7 @@ pub fn recall(
     let mut hits = 0;
     for ((query, row), truth) in queries.iter().zip(&results.rows).zip(truth.rows()) {
         // Not the distance of a result, which another search may have rounded otherwise.
-        let of = |index: u32| distance(metric, lanes, query, base.get(index as usize).unwrap_or_default());
+        let of = |index: u32| distance(metric, query, base.get(index as usize).unwrap_or_default());
         let farthest = truth[..count].iter().map(|index| of(*index)).fold(f64::NEG_INFINITY, f64::max);
         let mut seen = HashSet::new();
         let found = row.iter().take(count).filter(|near| seen.insert(near.index));

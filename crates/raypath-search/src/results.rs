@@ -1,4 +1,3 @@
-use crate::LaneCount;
 use crate::metric::Metric;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -34,8 +33,8 @@ pub struct Work {
 
 impl Work {
     /// The work for a number of pairs of vectors.
-    pub(crate) fn of(evaluations: u64, metric: Metric, lanes: LaneCount, dimensions: usize) -> Self {
-        Self { evaluations, beats: evaluations.saturating_mul(metric.beats(lanes, dimensions)) }
+    pub(crate) fn of(evaluations: u64, metric: Metric, dimensions: usize) -> Self {
+        Self { evaluations, beats: evaluations.saturating_mul(metric.beats(dimensions)) }
     }
 }
 

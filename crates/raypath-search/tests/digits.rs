@@ -2,7 +2,7 @@
 //! 0 to 16, so binary32 represents every sum, and ties are exact.
 
 use crate::common::{PIXELS, digits, unzip_text, vectors};
-use raypath_search::{Exact, LaneCount, Metric};
+use raypath_search::{Exact, Metric};
 use std::cmp::Ordering;
 
 const COUNT: usize = 10;
@@ -16,8 +16,7 @@ fn queries() -> impl Iterator<Item = usize> {
 fn found(metric: Metric) -> Vec<Vec<usize>> {
     let digits = digits();
     let queries = vectors(queries().map(|query| &digits[query]));
-    let results =
-        Exact::new(&vectors(&digits), metric, LaneCount::Sixteen).search(&queries, COUNT, &|_| true).expect("results");
+    let results = Exact::new(&vectors(&digits), metric).search(&queries, COUNT, &|_| true).expect("results");
     results.rows.iter().map(|row| row.iter().map(|near| near.index as usize).collect()).collect()
 }
 

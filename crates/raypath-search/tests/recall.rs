@@ -1,7 +1,7 @@
 //! Recall, the counts of results, and generated data.
 
 use raypath_search::{
-    Clusters, Exact, LaneCount, Metric, Neighbour, Neighbours, SearchError, SearchResults, Vectors, Work, recall,
+    Clusters, Exact, Metric, Neighbour, Neighbours, SearchError, SearchResults, Vectors, Work, recall,
 };
 
 /// Points on a line, and one query at 0.
@@ -17,7 +17,7 @@ fn on_the_line(found: &[u32], truth: &[i64], count: usize) -> Result<f64, Search
     let row = found.iter().map(|&index| Neighbour { index, distance: distance(index) }).collect();
     let results = SearchResults { rows: vec![row], work: Work::default(), seconds: 1.0 };
     let truth = Neighbours::new(truth.len(), truth, base.len()).expect("neighbours");
-    recall(&results, &truth, &base, &queries, Metric::Euclidean, LaneCount::Sixteen, count)
+    recall(&results, &truth, &base, &queries, Metric::Euclidean, count)
 }
 
 #[test]
@@ -39,8 +39,7 @@ fn mismatched_truth_is_an_error() {
     let (base, queries) = line();
     let truth = Neighbours::new(1, &[0, 1], base.len()).expect("neighbours");
     let results = SearchResults { rows: vec![Vec::new()], work: Work::default(), seconds: 1.0 };
-    let error =
-        recall(&results, &truth, &base, &queries, Metric::Euclidean, LaneCount::Sixteen, 1).expect_err("an error");
+    let error = recall(&results, &truth, &base, &queries, Metric::Euclidean, 1).expect_err("an error");
     assert_eq!(error.to_string(), "truth of 2 queries, expected 1");
     assert!(on_the_line(&[0], &[0], 0).is_err());
 }
@@ -51,15 +50,13 @@ fn results_have_means_per_query() {
     let results = SearchResults { rows, work: Work { evaluations: 10, beats: 90 }, seconds: 0.5 };
     assert_eq!(results.queries_per_second(), 8.0);
     assert_eq!((results.per_query(results.work.evaluations), results.per_query(results.work.beats)), (2.5, 22.5));
-    assert_eq!(Metric::ALL.map(|metric| metric.beats(LaneCount::Sixteen, 130)), [9, 17]);
+    assert_eq!(Metric::ALL.map(|metric| metric.beats(130)), [9, 17]);
 }
 
 #[test]
 fn exact_search_counts_its_beats() {
     let data = Clusters { vectors: 50, queries: 3, dimensions: 33, ..Clusters::default() }.generate().expect("data");
-    let work = |metric| {
-        Exact::new(&data.base, metric, LaneCount::Sixteen).search(&data.queries, 1, &|_| true).expect("results").work
-    };
+    let work = |metric| Exact::new(&data.base, metric).search(&data.queries, 1, &|_| true).expect("results").work;
     assert_eq!(work(Metric::Euclidean), Work { evaluations: 150, beats: 450 });
     assert_eq!(work(Metric::Angular), Work { evaluations: 153, beats: 153 * 5 });
 }

@@ -2,8 +2,8 @@
 
 use raypath_model::{Control, Shape};
 use raypath_search::{
-    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Layer, Metric, Neighbours, SearchError, SearchMemory,
-    SearchResults, StoredAs, UnitJobs, UnitSpec, Vectors, recall,
+    Clusters, Dataset, Exact, GraphParameters, Layer, Metric, Neighbours, SearchError, SearchMemory, SearchResults,
+    StoredAs, UnitJobs, UnitSpec, Vectors, recall,
 };
 use raypath_traversal::UnitParameters;
 use raypath_traversal::search::SearchParameters;
@@ -22,7 +22,7 @@ fn indices(results: &SearchResults) -> Vec<Vec<u32>> {
 }
 
 fn exact(Dataset { base, queries, .. }: &Dataset, metric: Metric) -> SearchResults {
-    Exact::new(base, metric, LaneCount::Sixteen).search(queries, COUNT, &|_| true).expect("a search")
+    Exact::new(base, metric).search(queries, COUNT, &|_| true).expect("a search")
 }
 
 fn jobs(
@@ -37,9 +37,7 @@ fn jobs(
 }
 
 fn layer(base: &Vectors, metric: Metric) -> Layer {
-    let parameters = GraphParameters::default();
-    let graph = Graph::build(base, metric, LaneCount::Sixteen, &parameters, &|_| true).expect("a graph");
-    graph.lowest_layer().expect("a layer")
+    Layer::build(base, metric, &GraphParameters::default(), &|_| true).expect("a graph").0
 }
 
 /// The recall of a search by jobs.
@@ -49,7 +47,7 @@ fn found(dataset: &Dataset, metric: Metric, stored: StoredAs, graph: Option<(&La
     let results = found.results(metric);
     let truth: Vec<i64> = exact(dataset, metric).rows.iter().flatten().map(|near| near.index.into()).collect();
     let truth = Neighbours::new(COUNT, &truth, base.len()).expect("neighbours");
-    let recall = recall(&results, &truth, base, queries, metric, LaneCount::Sixteen, COUNT).expect("a recall");
+    let recall = recall(&results, &truth, base, queries, metric, COUNT).expect("a recall");
     (results, recall)
 }
 

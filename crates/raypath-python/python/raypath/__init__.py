@@ -3,7 +3,7 @@
 A :class:`Datapath` computes arrays of jobs, bit for bit as the hardware does, and writes the hardware. A
 :class:`Pipeline` adds clock cycles. A :class:`Unit` is the traversal unit around a datapath: a ray goes in, its hit
 comes out; a :class:`UnitModel` adds clock cycles. :func:`render` and :func:`trace` work on a :class:`Scene`,
-:func:`search` on vectors, and so does :meth:`Unit.search` by jobs of the unit.
+:meth:`Unit.search` on vectors.
 
 Example:
     >>> import numpy as np, raypath
@@ -27,7 +27,6 @@ from raypath._raypath import (
     Rendering,
     SavedGraph,
     Scene,
-    Search,
     Trace,
     TriangleHits,
     Unit,
@@ -43,7 +42,6 @@ from raypath._raypath import (
     read_card,
     read_graph,
     render,
-    search,
     trace,
 )
 
@@ -66,7 +64,6 @@ __all__ = [
     "Rendering",
     "SavedGraph",
     "Scene",
-    "Search",
     "Trace",
     "TriangleHits",
     "Unit",
@@ -84,6 +81,5 @@ __all__ = [
     "read_card",
     "read_graph",
     "render",
-    "search",
     "trace",
 ]

@@ -163,7 +163,6 @@ __all__ = [
     "Rendering",
     "SavedGraph",
     "Scene",
-    "Search",
     "Trace",
     "TriangleHits",
     "Unit",
@@ -181,7 +180,6 @@ __all__ = [
     "read_graph",
     "render",
     "rust_seconds",
-    "search",
     "trace",
 ]
 
@@ -1106,7 +1104,7 @@ class UnitOutputs:
         """The address of a block that is requested and the tag of its response, or None."""
     @property
     def searches_idle(self) -> bool:
-        """."""
+        """Whether no job of a search is in the unit."""
     @property
     def job_ready(self) -> bool:
         """Whether a job of a search is accepted in this cycle."""
@@ -1388,27 +1386,6 @@ class UnitSearch:
         """With ``latency``, what the cycle-exact model measured: ``cycles``, ``beats`` (of the datapath),
         ``memory_beats`` and ``beats_per_cycle``; otherwise None."""
 
-@final
-class Search:
-    """The neighbours of m queries."""
-    @property
-    def ids(self) -> NDArray[np.int64]:
-        """int64 array of shape (m, k): the indices of the neighbours of each query, nearest first. -1 if a search through
-        a graph found fewer. Each access makes a new array."""
-    @property
-    def distances(self) -> NDArray[np.float64]:
-        """float64 array of shape (m, k): their distances, infinity where there is no neighbour. Each access makes a new
-        array."""
-    @property
-    def evaluations(self) -> int:
-        """The number of pairs of vectors that were compared."""
-    @property
-    def beats(self) -> int:
-        """The number of beats of these pairs, each a job of the datapath."""
-    @property
-    def seconds(self) -> float:
-        """The wall-clock time of the search in seconds."""
-
 def render(
     scene: Scene,
     *,
@@ -1519,48 +1496,3 @@ def read_graph(path: str | os.PathLike[str]) -> SavedGraph:
 
     Raises:
         ValueError: a file that cannot be read, is no such graph, or takes more than 2 GiB of memory."""
-
-def search(
-    vectors: _Numbers,
-    queries: _Numbers,
-    k: int = 10,
-    *,
-    metric: Literal["euclidean", "angular"] = "euclidean",
-    index: Literal["hnsw"] | None = None,
-    connections: int = 16,
-    ef_construction: int = 200,
-    ef: int | None = None,
-    seed: int = 1,
-    datapath: Datapath | None = None,
-) -> Search:
-    """Finds the nearest vectors of each query with the distance operations of a datapath.
-
-    The work is that of ``raypath search``: the sums of a distance are jobs of the datapath; square root, division and
-    selection are done in software. ``raypath.Unit.search`` does all in the unit.
-
-    Args:
-        vectors: float32 array of shape (n, k): finite coordinates of 1 to 65,536 dimensions.
-        queries: float32 array of shape (m, k).
-        k: the number of neighbours of each query, 1 to n.
-        metric: "euclidean", or "angular" for 1 minus the cosine of the angle.
-        index: None to compare each query with every vector, "hnsw" to search approximately through a graph.
-        connections: the maximum number of connections of a vector in the graph, 2 to 255.
-        ef_construction: the number of candidates kept during construction of the graph, 1 to 65,536.
-        ef: the number of candidates kept during a search of the graph, k to 65,536; 5 * k by default.
-        seed: the seed of the graph.
-        datapath: a datapath in fp32 without features; the preset ``paper`` by default.
-
-    Returns:
-        The neighbours (``ids``, ``distances``) and the work (``evaluations``, ``beats``, ``seconds``).
-
-    Raises:
-        ValueError: another type or shape; a coordinate that is not finite; an argument out of range; a datapath without
-            distances.
-        KeyboardInterrupt: after Ctrl-C.
-
-    Example:
-        >>> import numpy as np, raypath
-        >>> vectors = np.float32([[0, 0], [3, 4], [1, 0]])
-        >>> found = raypath.search(vectors, vectors[:1], k=3)
-        >>> found.ids, found.distances
-        (array([[0, 2, 1]]), array([[0., 1., 5.]]))"""

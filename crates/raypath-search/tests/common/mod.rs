@@ -3,7 +3,7 @@
 pub mod datapath;
 
 use flate2::read::GzDecoder;
-use raypath_search::{Graph, GraphParameters, LaneCount, Metric, Vectors};
+use raypath_search::Vectors;
 use std::io::Read;
 
 /// Pixels of a digit.
@@ -23,11 +23,6 @@ pub fn digits() -> Vec<[u8; PIXELS]> {
 /// Digits as vectors.
 pub fn vectors<'d>(digits: impl IntoIterator<Item = &'d [u8; PIXELS]>) -> Vectors {
     Vectors::new(PIXELS, digits.into_iter().flatten().map(|&pixel| pixel.into()).collect()).expect("vectors")
-}
-
-/// A graph with the default parameters, for 16 lanes.
-pub fn graph(base: &Vectors, metric: Metric) -> Graph<'_> {
-    Graph::build(base, metric, LaneCount::Sixteen, &GraphParameters::default(), &|_| true).expect("a graph")
 }
 
 /// The text in a gzip file.

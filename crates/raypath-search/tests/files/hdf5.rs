@@ -1,7 +1,7 @@
 use super::common::{Written, assert_error, base};
 use crate::common::unzip;
 use hdf5_pure::{AttrValue, FileBuilder};
-use raypath_search::{Dataset, Exact, LaneCount, Metric, read_vectors};
+use raypath_search::{Dataset, Exact, Metric, read_vectors};
 use raypath_tools::MemoryLimit;
 
 const PLAIN: &[u8] = include_bytes!("../data/plain.hdf5.gz");
@@ -20,7 +20,7 @@ fn files_of_h5py() {
         // A search finds the neighbours and distances of the file.
         let truth = dataset.truth.expect("truth");
         let distances = dataset.distances.expect("distances");
-        let found = Exact::new(&dataset.base, Metric::Euclidean, LaneCount::Sixteen);
+        let found = Exact::new(&dataset.base, Metric::Euclidean);
         let found = found.search(&dataset.queries, truth.count(), &|_| true).expect("results");
         for ((row, indices), distances) in found.rows.iter().zip(truth.rows()).zip(distances.iter()) {
             assert!(row.iter().map(|near| near.index).eq(indices.iter().copied()), "{row:?} and {indices:?}");

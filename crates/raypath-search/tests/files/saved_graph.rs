@@ -2,7 +2,7 @@
 
 use super::common::{Written, assert_error};
 use flate2::read::GzDecoder;
-use raypath_search::{Exact, LaneCount, Metric, Neighbour, SavedGraph, UnitJobs, UnitSpec, Vectors, read_graph};
+use raypath_search::{Exact, Metric, Neighbour, SavedGraph, UnitJobs, UnitSpec, Vectors, read_graph};
 use raypath_tools::MemoryLimit;
 use raypath_traversal::search::{Elements, SearchMetric, SearchParameters};
 use std::io::Read;
@@ -34,7 +34,7 @@ fn the_unit_searches_a_saved_graph() {
         assert_eq!((layer.degree(), layer.neighbours().len()), (12, 200), "{name}");
         assert_eq!(metric, (name == "faiss.index").then_some(Metric::Euclidean));
         let queries = base.first(20);
-        let exact = Exact::new(&base, Metric::Euclidean, LaneCount::Sixteen);
+        let exact = Exact::new(&base, Metric::Euclidean);
         let exact = exact.search(&queries, 5, &|_| true).expect("neighbours");
         let spec = UnitSpec {
             base: &base,

@@ -8,10 +8,10 @@ use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_ops::Rounding;
-use raypath_rtl::Config;
+use raypath_rtl::{Config, Lanes};
 use raypath_search::{
-    Clusters, Dataset, Exact, Graph, GraphParameters, LaneCount, Metric, Neighbours, SearchResults, StoredAs, UnitJobs,
-    UnitSpec, Work, recall, write_ivecs,
+    Clusters, Dataset, Exact, GraphParameters, Layer, Metric, Neighbours, SearchResults, StoredAs, UnitJobs, UnitSpec,
+    Work, recall, write_ivecs,
 };
 use raypath_timing::Progress;
 use raypath_traversal::search::SearchParameters;
@@ -43,8 +43,8 @@ pub struct Arguments {
     /// The elements of vectors in the unit's memory
     #[arg(long, requires = "through", default_value = "binary32", value_name = "binary32|binary16|int8")]
     elements: StoredAs,
-    /// Search approximately with an index
-    #[arg(long, value_enum)]
+    /// Build an index, of which the unit searches the lowest layer
+    #[arg(long, value_enum, requires = "through")]
     index: Option<Index>,
     /// The true neighbours: .ivecs or .npy; an .hdf5 file has its own [default with --index: from exact search]
     #[arg(long, value_name = "FILE")]
@@ -95,25 +95,16 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         let problem = format!("--rounding {}: vectors are searched with rounding unit only", config.semantics.rounding);
         return Err(CliError::unusable(problem));
     }
-    let lanes = LaneCount::of(config.semantics.lanes.count()).ok_or_else(|| {
-        CliError::unusable("--lanes none: a datapath without distances cannot search, expected 2 to 64")
-    })?;
-    if arguments.through.is_some() && lanes != LaneCount::Sixteen {
-        return Err(CliError::unusable("--through unit: its datapath has 16 lanes, expected --lanes 16"));
+    if config.semantics.lanes != Lanes::Sixteen {
+        let problem = format!("--lanes {}: vectors are searched with 16 lanes only", config.semantics.lanes);
+        return Err(CliError::unusable(problem));
     }
     let dataset = arguments.dataset()?;
     let metric = arguments.metric.or(dataset.metric).unwrap_or(Metric::Euclidean);
     let (base, queries) = (&dataset.base, &dataset.queries);
     let searched = format!("{} vectors of {} dimensions", base.len(), base.dimensions());
     writeln!(out, "{searched}, {} queries, {metric} distance", queries.len())?;
-    let graph = match arguments.index {
-        None => None,
-        Some(_) if arguments.division.is_divided() => {
-            let problem = "--index: several machines divide an exact search only, expected --exact";
-            return Err(CliError::unusable(problem));
-        }
-        Some(Index::Hnsw) => Some(arguments.graph(lanes, &dataset, metric, out)?),
-    };
+    let graph = arguments.index.map(|Index::Hnsw| arguments.graph(&dataset, metric, out)).transpose()?;
     if dataset.layer.is_some() && graph.is_none() && !arguments.exact && arguments.through.is_none() {
         let problem =
             format!("{}: the unit searches a saved graph, expected --through unit or --exact", arguments.name());
@@ -122,8 +113,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let of_unit = match arguments.through {
         None => None,
         Some(Through::Unit) => {
-            let own = graph.as_ref().map(Graph::lowest_layer).transpose().map_err(CliError::unusable)?;
-            let layer = own.as_ref().or(dataset.layer.as_ref().filter(|_| !arguments.exact));
+            let layer = graph.as_ref().or(dataset.layer.as_ref().filter(|_| !arguments.exact));
             let spec = UnitSpec {
                 base,
                 queries,
@@ -139,24 +129,21 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
             Some((jobs, found, layer.is_some()))
         }
     };
-    let results = match &graph {
-        _ if let Some((_, found, _)) = &of_unit => found.results(metric),
-        None => match arguments.divided(lanes, &dataset, metric, config)? {
+    let results = match &of_unit {
+        Some((_, found, _)) => found.results(metric),
+        None => match arguments.divided(&dataset, metric, config)? {
             Ok(results) => results,
             Err(message) => return Ok(writeln!(out, "{message}")?),
         },
-        Some(graph) => {
-            watched("queries", queries.len(), |progress| graph.search(queries, arguments.k, arguments.ef(), progress))?
-        }
     };
-    let mut rows = describe(&results, lanes, base.dimensions());
+    let mut rows = describe(&results, base.dimensions());
     if let Some((_, found, _)) = &of_unit {
         let of_query = |total: u64| format!("{:.1}", results.per_query(total));
         rows.push(("bytes that a query reads".to_string(), of_query(found.bytes())));
         rows.push(("candidates that a query expands".to_string(), of_query(found.expansions)));
     }
-    if let Some((source, truth)) = arguments.truth(lanes, &dataset, metric)? {
-        let recall = recall(&results, &truth, base, queries, metric, lanes, arguments.k).map_err(CliError::unusable)?;
+    if let Some((source, truth)) = arguments.truth(&dataset, metric)? {
+        let recall = recall(&results, &truth, base, queries, metric, arguments.k).map_err(CliError::unusable)?;
         rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
     }
     writeln!(out)?;
@@ -199,31 +186,24 @@ impl Arguments {
         }
     }
 
-    fn graph<'d>(
-        &self,
-        lanes: LaneCount,
-        dataset: &'d Dataset,
-        metric: Metric,
-        out: &mut dyn Write,
-    ) -> Result<Graph<'d>, CliError> {
+    fn graph(&self, dataset: &Dataset, metric: Metric, out: &mut dyn Write) -> Result<Layer, CliError> {
         let parameters =
             GraphParameters { connections: self.connections, ef_construction: self.ef_construction, seed: self.seed };
-        let graph = watched("vectors indexed", dataset.base.len(), |progress| {
-            Graph::build(&dataset.base, metric, lanes, &parameters, progress)
+        let (layer, work) = watched("vectors indexed", dataset.base.len(), |progress| {
+            Layer::build(&dataset.base, metric, &parameters, progress)
         })?;
-        writeln!(out, "the graph took {} beats to build", graph.build_work().beats)?;
-        Ok(graph)
+        writeln!(out, "the graph took {} beats to build", work.beats)?;
+        Ok(layer)
     }
 
-    fn exact(&self, lanes: LaneCount, dataset: &Dataset, metric: Metric) -> Result<SearchResults, CliError> {
+    fn exact(&self, dataset: &Dataset, metric: Metric) -> Result<SearchResults, CliError> {
         let Dataset { base, queries, .. } = dataset;
-        watched("queries", queries.len(), |progress| Exact::new(base, metric, lanes).search(queries, self.k, progress))
+        watched("queries", queries.len(), |progress| Exact::new(base, metric).search(queries, self.k, progress))
     }
 
     /// An exact search of the shard's queries; or the results of all shards. For a part, its message.
     fn divided(
         &self,
-        lanes: LaneCount,
         dataset: &Dataset,
         metric: Metric,
         config: Config,
@@ -238,7 +218,7 @@ impl Arguments {
         let shards = parts.phase(|| {
             let Range { start, end } = self.division.shard().range(queries.len() as u64);
             let Some(queries) = queries.range(start as usize..end as usize) else { return Ok(SavedResults::default()) };
-            let search = |progress: Progress<'_>| Exact::new(base, metric, lanes).search(&queries, k, progress);
+            let search = |progress: Progress<'_>| Exact::new(base, metric).search(&queries, k, progress);
             let results = watched("queries", queries.len(), search)?;
             Ok::<_, CliError>(SavedResults::from(results))
         })?;
@@ -248,17 +228,12 @@ impl Arguments {
     }
 
     /// The truth for recall, with its source. Exact search uses the truth of the file only.
-    fn truth(
-        &self,
-        lanes: LaneCount,
-        dataset: &Dataset,
-        metric: Metric,
-    ) -> Result<Option<(&'static str, Neighbours)>, CliError> {
+    fn truth(&self, dataset: &Dataset, metric: Metric) -> Result<Option<(&'static str, Neighbours)>, CliError> {
         let is_of_metric = dataset.metric.is_none_or(|own| own == metric);
         match &dataset.truth {
             Some(truth) if is_of_metric => Ok(Some(("the file's truth", truth.clone()))),
             _ if self.index.is_some() || self.through.is_some() => {
-                let results = self.exact(lanes, dataset, metric)?;
+                let results = self.exact(dataset, metric)?;
                 let indices: Vec<i64> = results.rows.iter().flatten().map(|near| i64::from(near.index)).collect();
                 let neighbours = Neighbours::new(self.k, &indices, dataset.base.len()).map_err(CliError::unusable)?;
                 Ok(Some(("exact search", neighbours)))
@@ -268,16 +243,16 @@ impl Arguments {
     }
 }
 
-fn describe(results: &SearchResults, lanes: LaneCount, dimensions: usize) -> Vec<(String, String)> {
+fn describe(results: &SearchResults, dimensions: usize) -> Vec<(String, String)> {
     let Work { evaluations, beats } = results.work;
-    let of_vector = |metric: Metric| metric.beats(lanes, dimensions).to_string();
+    let of_vector = |metric: Metric| metric.beats(dimensions).to_string();
     vec![
         ("queries per second, functional model".to_string(), format!("{:.1}", results.queries_per_second())),
         ("distances".to_string(), evaluations.to_string()),
         ("distances of a query".to_string(), format!("{:.1}", results.per_query(evaluations))),
         ("beats".to_string(), beats.to_string()),
         ("beats of a query".to_string(), format!("{:.1}", results.per_query(beats))),
-        (format!("beats of a vector, euclidean ({} lanes)", lanes.euclidean()), of_vector(Metric::Euclidean)),
-        (format!("beats of a vector, angular ({} lanes)", lanes.euclidean() / 2), of_vector(Metric::Angular)),
+        ("beats of a vector, euclidean (16 lanes)".to_string(), of_vector(Metric::Euclidean)),
+        ("beats of a vector, angular (8 lanes)".to_string(), of_vector(Metric::Angular)),
     ]
 }

@@ -7,7 +7,7 @@ use crate::error::CliError;
 use raypath_model::Functional;
 use raypath_ops::Rules;
 use raypath_render::{Camera, Scene, Tracing, builtin, trace_closest};
-use raypath_search::{Clusters, Exact, LaneCount, Metric};
+use raypath_search::{Clusters, Exact, Metric};
 use std::hint::black_box;
 
 /// Measures jobs, rays and vectors, from 1,000 to 100,000 of each.
@@ -40,7 +40,7 @@ pub fn run(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
     for count in [1_000usize, 10_000, 100_000] {
         let data = set.base.data()[..count * set.base.dimensions()].to_vec();
         let base = raypath_search::Vectors::new(set.base.dimensions(), data).map_err(CliError::unusable)?;
-        let exact = Exact::new(&base, Metric::Euclidean, LaneCount::Sixteen);
+        let exact = Exact::new(&base, Metric::Euclidean);
         let time = seconds(repetitions, || {
             stopped |= exact.search(&set.queries, 10, &|_| true).map(black_box).is_err();
         });

@@ -4,7 +4,7 @@ use crate::commands::full::bench::result::Results;
 use crate::error::CliError;
 use raypath_render::compare::compare;
 use raypath_render::{Camera, Scene, Tracing, builtin};
-use raypath_search::{Clusters, Exact, LaneCount, Metric};
+use raypath_search::{Clusters, Exact, Metric};
 
 /// Measures closest hits in the built-in scene on one core, compared with obvhs' traversal of the same tree.
 pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
@@ -37,7 +37,7 @@ pub fn distances(results: &mut Results, repetitions: usize) -> Result<(), CliErr
     let set = clusters.generate().map_err(CliError::unusable)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     for metric in Metric::ALL {
-        let exact = Exact::new(&set.base, metric, LaneCount::Sixteen);
+        let exact = Exact::new(&set.base, metric);
         for threads in [1, cores] {
             let mut best = 0.0f64;
             for _ in 0..repetitions.div_ceil(8) {

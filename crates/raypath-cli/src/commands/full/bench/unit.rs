@@ -5,7 +5,7 @@ use crate::error::CliError;
 use raypath_model::Shape;
 use raypath_render::{Camera, Scene, builtin};
 use raypath_rtl::Config;
-use raypath_search::{Clusters, Dataset, Graph, GraphParameters, LaneCount, Metric, SearchMemory, UnitJobs, UnitSpec};
+use raypath_search::{Clusters, Dataset, GraphParameters, Layer, Metric, SearchMemory, UnitJobs, UnitSpec};
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
 use raypath_traversal::search::{Elements, SearchMetric, SearchParameters, Searches};
 use raypath_traversal::system::{RayUser, SystemParameters, simulate};
@@ -55,9 +55,8 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
 pub fn searches(results: &mut Results, repetitions: usize, with_verilator: bool) -> Result<(), CliError> {
     let clusters = Clusters { vectors: 4000, ..Clusters::default() };
     let Dataset { base, queries, .. } = clusters.generate().map_err(CliError::unusable)?;
-    let graph = GraphParameters::default();
-    let graph = Graph::build(&base, Metric::Euclidean, LaneCount::Sixteen, &graph, &|_| true);
-    let layer = graph.and_then(|graph| graph.lowest_layer()).map_err(CliError::unusable)?;
+    let layer = Layer::build(&base, Metric::Euclidean, &GraphParameters::default(), &|_| true);
+    let (layer, _) = layer.map_err(CliError::unusable)?;
     let search = SearchParameters::default();
     let jobs = UnitJobs::new(&UnitSpec {
         base: &base,
@@ -81,7 +80,7 @@ pub fn searches(results: &mut Results, repetitions: usize, with_verilator: bool)
     });
     let per_second = cycles.map_err(CliError::unusable)? as f64 / time;
     let name = format!("traversal unit, cycle-exact, searches in a graph, memory {LATENCY} cycles");
-    results.rate(name, "unit cycles", per_second, None);
+    results.rate(name, "search cycles", per_second, None);
     if with_verilator {
         let behaviour = SearchBehaviour {
             latency: (LATENCY, LATENCY),
@@ -92,7 +91,7 @@ pub fn searches(results: &mut Results, repetitions: usize, with_verilator: bool)
         let few = jobs.addresses().iter().copied().take(RECORDED_SEARCHES).collect();
         let traffic = SearchTraffic::new(jobs.image(), few, behaviour, 1);
         match verilator(&unit, &[], &[], Some(traffic), repetitions.div_ceil(8)) {
-            Ok(per_second) => results.beside("unit cycles", "Verilator", per_second),
+            Ok(per_second) => results.beside("search cycles", "Verilator", per_second),
             Err(problem) => results.missing(format!("the searches in Verilator: {problem}")),
         }
     }
