@@ -1,13 +1,15 @@
 """Compares searches of the unit with faiss, hnswlib and the same algorithm in plain Python: neighbours, distances, bytes.
 
-    pip install raypath faiss-cpu hnswlib scikit-learn
+    pip install raypath faiss-cpu hnswlib scikit-learn matplotlib
     python scripts/search-recall.py
+    python scripts/search-recall.py --plot searches-recall.svg --clock 72.5 --area 1.53
 
 Vectors: 100,000 x 96, made around 1000 centres; 20,000 x 784, the digits of scikit-learn, enlarged, moved and with noise.
 """
 
 from __future__ import annotations
 
+import argparse
 import heapq
 import tempfile
 from collections.abc import Iterator
@@ -95,8 +97,48 @@ def indices(base: Floats, folder: Path) -> Iterator[tuple[str, Path, Any]]:
     yield "faiss", folder / "faiss.index", by_faiss
 
 
+def plot(file: str, clock: float, area: float) -> None:
+    """Draws recall against distances a second and mm2, of a unit with a memory of 100 cycles, for widths of the memory.
+
+    Points are numbers of candidates, in the index that faiss makes of the first vectors.
+    """
+    from matplotlib import pyplot
+
+    base, queries = made()
+    flat = faiss.IndexFlatL2(base.shape[1])
+    flat.add(base)
+    exact = flat.search(queries, NEIGHBOURS)[1]
+    figure, axes = pyplot.subplots(figsize=(6.4, 4))
+    with tempfile.TemporaryDirectory() as folder:
+        graph = raypath.read_graph([file for name, file, _ in indices(base, Path(folder)) if name == "faiss"][0])
+    for width in (128, 256, 512):
+        unit = raypath.Unit(search="k=16,m=256,dimensions=1024", memory_width=width)
+        rates, recalls = [], []
+        for m in (10, 16, 24, 32, 64, 128):
+            found = unit.search(graph, queries, k=NEIGHBOURS, ef=m, latency=100)
+            assert found.timing is not None
+            rates.append(found.evaluations / found.timing["cycles"] * clock / area)
+            recalls.append(sum(len(set(a) & set(b)) for a, b in zip(found.ids.tolist(), exact.tolist())) / exact.size)
+            print(f"{width} bits, {m} candidates: recall {recalls[-1]:.3f}, {rates[-1]:.2f} M distances/s/mm2")
+        axes.plot(rates, recalls, marker="o", label=f"{width} bits a beat")
+        for m, rate, recall in zip((10, 16, 24, 32, 64, 128), rates, recalls):
+            axes.annotate(str(m), (rate, recall), textcoords="offset points", xytext=(4, -10), fontsize=7)
+    axes.set_xlabel(f"million distances of {base.shape[1]} dimensions a second and mm2")
+    axes.set_ylabel(f"recall at {NEIGHBOURS}")
+    axes.legend(loc="center")
+    figure.tight_layout()
+    figure.savefig(file, metadata={"Date": None})
+
+
 def main() -> None:
-    """Prints a line for each set of vectors, package and number of candidates."""
+    """Prints a line for each set of vectors, package and number of candidates; or draws."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--plot", metavar="FILE.svg")
+    parser.add_argument("--clock", type=float, default=72.5, help="MHz")
+    parser.add_argument("--area", type=float, default=1.53, help="mm2 of the datapath and of what searches")
+    arguments = parser.parse_args()
+    if arguments.plot:
+        return plot(arguments.plot, arguments.clock, arguments.area)
     unit = raypath.Unit(search="k=16,m=128,dimensions=1024")
     for name, (base, queries) in (("made", made()), ("digits", digits())):
         flat = faiss.IndexFlatL2(base.shape[1])

@@ -104,7 +104,7 @@ impl Shell {
         pops.next(sends & is_last);
         sent.next(sends | (sent.wire() & !sink_ready));
         let word = m.register("word_q", width.bits());
-        word.next_when(sends, select(number.wire(), &words));
+        word.next_when(sends, number.wire().select(&words));
         m.output("valid_o", sent.wire());
         m.output("data_o", word.wire());
         Ok(Self { top: m.finish()?, job, outcome })
@@ -145,17 +145,6 @@ pub fn reduced(design: &Arc<Module>) -> Result<Arc<Module>, Error> {
 /// A register for 0 to `most`.
 fn counter<'m>(m: &'m Builder, name: &str, most: u32) -> raypath_hdl::Register<'m> {
     m.register(name, (u32::BITS - most.leading_zeros()).max(1)).reset_to(0)
-}
-
-/// The word of this number, by a tree of multiplexers.
-fn select<'m>(number: Wire<'m>, words: &[Wire<'m>]) -> Wire<'m> {
-    let mut layer = words.to_vec();
-    for bit in 0..number.width() {
-        let pairs = layer.chunks(2);
-        layer =
-            pairs.map(|pair| if let [low, high] = pair { number.bit(bit).mux(*high, *low) } else { pair[0] }).collect();
-    }
-    layer[0]
 }
 
 /// A word of a value.

@@ -1,11 +1,11 @@
 //! Evaluation of the distance operations of `raypath_ops` for searches: one candidate in the order of their sums
 //! ([`squared`], [`dot_product`]), or sixteen in parallel by the operations over [`Lanes`] ([`block`]).
 
-use crate::metric::LANES;
 use crate::vectors::Vectors;
 use crate::{Metric, cosine_distance, euclidean_distance};
 use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, Simd, SimdKernels};
 use raypath_ops::{Beat, BeatInput, Binary32, Circuit, Family, Flags, Kernels, Num, Operation, array_of};
+pub(crate) use raypath_traversal::search::{dot_product, squared};
 
 /// One coordinate of all candidates of a block.
 pub(crate) type Lane = Num<Packed>;
@@ -45,18 +45,6 @@ impl Blocks {
     }
 }
 
-/// The squared Euclidean distance of a query and one candidate.
-#[inline(always)]
-pub(crate) fn squared(query: &[f32], candidate: &[f32]) -> f32 {
-    let square = |a: f32, b: f32| (a - b) * (a - b);
-    sum_of_beats::<LANES>(query, candidate, square)
-}
-
-#[inline(always)]
-pub(crate) fn dot_product(query: &[f32], candidate: &[f32]) -> f32 {
-    sum_of_beats::<{ LANES / 2 }>(query, candidate, |a, b| a * b)
-}
-
 #[inline(always)]
 pub(crate) fn norm(vector: &[f32]) -> f32 {
     dot_product(vector, vector)
@@ -79,34 +67,6 @@ pub(crate) fn distance(metric: Metric, query: &[f32], candidate: &[f32]) -> f64 
             cosine_distance(dot, norm(query), norm(candidate))
         }
     }
-}
-
-/// The sum of a term of each pair of coordinates, in the order of the operations: beats of `N` terms, each added up as
-/// term i and term i + half. It is in plain `f32`, which compilers turn into SIMD instructions of any width.
-#[inline(always)]
-fn sum_of_beats<const N: usize>(query: &[f32], candidate: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
-    let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
-    let beat = |a: &[f32; N], b: &[f32; N]| {
-        let mut terms: [f32; N] = std::array::from_fn(|i| term(a[i], b[i]));
-        let mut half = N / 2;
-        while half > 0 {
-            for i in 0..half {
-                terms[i] += terms[i + half];
-            }
-            half /= 2;
-        }
-        terms[0]
-    };
-    let mut sum = 0.0;
-    for (a, b) in query.iter().zip(candidate) {
-        sum += beat(a, b);
-    }
-    if !query_end.is_empty() {
-        // A lane that is masked off adds +0.0, as a term of zeros does.
-        let padded = |end: &[f32]| std::array::from_fn(|i| end.get(i).copied().unwrap_or(0.0));
-        sum += beat(&padded(query_end), &padded(candidate_end));
-    }
-    sum
 }
 
 /// The sums, selected by `sum`, of a query and the candidates of a block. Both are padded to a multiple of `N`; the

@@ -6,6 +6,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::levels;
 use raypath_search::{Exact, Metric, SearchError, Vectors, cosine_distance, euclidean_distance};
+use raypath_traversal::search::{dot_product, squared};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 const U: f64 = 1.0 / 16_777_216.0;
@@ -122,6 +123,26 @@ fn searches_have_the_bits_of_the_model() {
         }
     }
     assert!(finite > 30_000, "only {finite} distances are finite");
+}
+
+#[test]
+fn plain_numbers_have_the_bits_of_the_operations() {
+    let mut generator = ChaCha8Rng::seed_from_u64(7);
+    let mut datapath = Datapath::<16, 8>::new();
+    let mut compared = 0;
+    for dimensions in (1..=70).chain([128, 1000]) {
+        for large in [1e3, 1e15, 1e19, f32::MAX] {
+            let [a, b] = [(); 2].map(|()| mixed(&mut generator, dimensions, large));
+            let [dot, norm] = datapath.angle(&a, &b);
+            let expected = [datapath.squared(&a, &b), dot, norm];
+            let found = [squared(&a, &b), dot_product(&a, &b), dot_product(&b, &b)];
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!(found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan(), "{dimensions}");
+                compared += usize::from(!found.is_nan());
+            }
+        }
+    }
+    assert!(compared > 700, "{compared}");
 }
 
 #[test]

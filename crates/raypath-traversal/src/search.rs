@@ -11,7 +11,7 @@ mod model;
 mod parameters;
 mod rank;
 
-pub use distance::{Elements, VectorLayout};
+pub use distance::{Elements, VectorLayout, dot_product, squared};
 pub(crate) use distance::{Shape, sums};
 pub use image::{ImageError, SearchImage};
 pub use job::{JOB_BYTES, JobError, ParseSearchMetricError, Place, SearchJob, SearchMetric};

@@ -164,6 +164,18 @@ impl<'m> Wire<'m> {
         wire
     }
 
+    /// The value of this number, of at least one, by a tree of multiplexers. Numbers without a value select any.
+    pub fn select(self, values: &[Self]) -> Self {
+        let (mut layer, mut bit) = (values.to_vec(), 0);
+        while layer.len() > 1 {
+            let upper = self.bit(bit);
+            let one = |pair: &[Self]| if let [low, high] = *pair { upper.mux(high, low) } else { pair[0] };
+            layer = layer.chunks(2).map(one).collect();
+            bit += 1;
+        }
+        layer[0]
+    }
+
     /// `width` copies of this one bit.
     pub fn replicate(self, width: u32) -> Self {
         self.builder.expect_width(self.id, self.width(), 1);

@@ -129,14 +129,3 @@ pub fn hold<'m>(name: &str, enable: Wire<'m>, wire: Wire<'m>) -> Wire<'m> {
     register.next_when(enable, wire);
     register.wire()
 }
-
-/// The value of this number, by a tree of multiplexers.
-pub fn select<'m>(number: Wire<'m>, values: &[Wire<'m>]) -> Wire<'m> {
-    let mut layer = values.to_vec();
-    for bit in 0..number.width() {
-        let pairs = layer.chunks(2);
-        layer =
-            pairs.map(|pair| if let [low, high] = pair { number.bit(bit).mux(*high, *low) } else { pair[0] }).collect();
-    }
-    layer[0]
-}

@@ -1,6 +1,6 @@
 //! The distances of triangles, and the closest hit of each block.
 
-use super::connect::{Named, hold, keep, named, select};
+use super::connect::{Named, hold, keep, named};
 use super::division::{Division, Operands, divide};
 use super::parameters::UnitParameters;
 use super::queue::bits;
@@ -68,7 +68,7 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
 
     m.section("The closest hit of its block so far");
     let place = tag_q.bits(2 + place_bits, 3);
-    let index = select(place, &indices).hint("index");
+    let index = place.select(&indices).hint("index");
     let rest = [("is_hit", tag_q.bit(1)), ("t", t), ("is_clockwise", tag_q.bit(0)), ("primitive", index)];
     let rest = rest.into_iter().chain(geometry.map(|geometry| ("geometry", geometry)));
     let known: Named<'_> = rest.map(|(name, wire)| named(name, wire)).chain(fraction).collect();

@@ -1,6 +1,6 @@
 //! The jobs of a block.
 
-use super::connect::{Inputs, select};
+use super::connect::Inputs;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use crate::blocks::{NodeKind, VERTEX_NUMBERS, VERTEX_WORDS};
@@ -126,7 +126,7 @@ fn of_vertices<'m>(words: &[Wire<'m>], is_second: Wire<'m>) -> Vec<Wire<'m>> {
     m.unused("unused_numbers", &[numbers.upper(32 - 6)]);
     let coordinate = |k: usize| {
         let of_each: [Wire<'m>; SHARED_VERTICES] = std::array::from_fn(|number| words[3 * number + k % 3]);
-        select(vertices[k / 3], &of_each)
+        vertices[k / 3].select(&of_each)
     };
     (0..VERTEX_WORDS).map(coordinate).collect()
 }

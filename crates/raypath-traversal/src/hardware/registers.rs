@@ -1,6 +1,5 @@
 //! Words that a reset clears, and that are read in the cycle.
 
-use super::connect::select;
 use super::queue::{bits, template};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
@@ -20,7 +19,7 @@ pub fn registers(name: &str, depth: u32, columns: &[(&str, u32)]) -> Result<Arc<
             register.wire()
         };
         let words: Vec<Wire<'_>> = (0..depth).map(word).collect();
-        m.output(&format!("{column}_o"), select(address, &words));
+        m.output(&format!("{column}_o"), address.select(&words));
     }
     let text = include_str!("raypath_registers.sv");
     let doc = "Words that a reset clears. The word at the address is shown in the same cycle.";

@@ -2,7 +2,6 @@
 
 use super::SEARCH_BLOCK;
 use super::job::SearchMetric;
-use raypath_ops::{Angular, AngularState, Beat, BeatInput, Binary32, Euclidean, EuclideanState, Operation, Rounding};
 
 /// The elements of vectors in memory. The unit widens them to binary32, which is exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,33 +113,51 @@ pub struct Sums {
 
 /// The sums that the datapath accumulates, and the beats that they take. The vectors have the same dimensions.
 pub fn sums(metric: SearchMetric, query: &[f32], vector: &[f32]) -> (Sums, u64) {
-    let (lanes, sums) = match metric {
-        SearchMetric::Euclidean => {
-            let operation = Euclidean::<LANES> { rounding: Rounding::Unit };
-            let last = last_outcome(&operation, EuclideanState::zero(Binary32), query, vector);
-            (LANES, last.map(|last| Sums { sum: last.euclidean_accumulator.into(), norm: 0.0 }))
-        }
+    let beats = |lanes: usize| query.len().div_ceil(lanes) as u64;
+    match metric {
+        SearchMetric::Euclidean => (Sums { sum: squared(query, vector), norm: 0.0 }, beats(LANES)),
         SearchMetric::Dot | SearchMetric::Cosine => {
-            let operation = Angular::<HALF> { rounding: Rounding::Unit };
-            let last = last_outcome(&operation, AngularState::zero(Binary32), query, vector);
-            let sums = last.map(|last| Sums { sum: last.angular_dot_product.into(), norm: last.angular_norm.into() });
-            (HALF, sums)
+            (Sums { sum: dot_product(query, vector), norm: dot_product(vector, vector) }, beats(HALF))
         }
-    };
-    (sums.unwrap_or_default(), query.len().div_ceil(lanes) as u64)
+    }
 }
 
-/// The outcome of the last beat.
-fn last_outcome<O: Operation<Input<Binary32> = BeatInput<Binary32, N>>, const N: usize>(
-    operation: &O,
-    mut state: O::State<Binary32>,
-    query: &[f32],
-    vector: &[f32],
-) -> Option<O::Output<Binary32>> {
-    let mut last = None;
-    for euclidean in Beat::of(query, vector).into_iter().flatten() {
-        let (outcome, next) = operation.run(Binary32, BeatInput { euclidean }, state);
-        (last, state) = (Some(outcome), next);
+/// The squared Euclidean distance of two vectors of the same dimensions, with the bits of the datapath's beats.
+#[inline(always)]
+pub fn squared(a: &[f32], b: &[f32]) -> f32 {
+    sum_of_beats::<LANES>(a, b, |a, b| (a - b) * (a - b))
+}
+
+/// Their dot product, in the same way.
+#[inline(always)]
+pub fn dot_product(a: &[f32], b: &[f32]) -> f32 {
+    sum_of_beats::<HALF>(a, b, |a, b| a * b)
+}
+
+/// The sum of a term of each pair of coordinates, in the order of the operations: beats of `N` terms, each added up as
+/// term i and term i + half. It is in plain `f32`, which compilers turn into SIMD instructions of any width.
+#[inline(always)]
+fn sum_of_beats<const N: usize>(query: &[f32], candidate: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
+    let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
+    let beat = |a: &[f32; N], b: &[f32; N]| {
+        let mut terms: [f32; N] = std::array::from_fn(|i| term(a[i], b[i]));
+        let mut half = N / 2;
+        while half > 0 {
+            for i in 0..half {
+                terms[i] += terms[i + half];
+            }
+            half /= 2;
+        }
+        terms[0]
+    };
+    let mut sum = 0.0;
+    for (a, b) in query.iter().zip(candidate) {
+        sum += beat(a, b);
     }
-    last
+    if !query_end.is_empty() {
+        // A lane that is masked off adds +0.0, as a term of zeros does.
+        let padded = |end: &[f32]| std::array::from_fn(|i| end.get(i).copied().unwrap_or(0.0));
+        sum += beat(&padded(query_end), &padded(candidate_end));
+    }
+    sum
 }

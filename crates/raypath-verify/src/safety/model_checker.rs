@@ -61,6 +61,8 @@ pub struct ModelChecker {
 const LIMIT: Duration = Duration::from_secs(600);
 /// Cycles of an induction's base case: those of the deepest step.
 const BASE_CYCLES: u32 = MAX_DEPTH;
+/// Cycles in which an assertion that is not inductive may be refuted.
+const REFUTED_CYCLES: u32 = 8;
 /// The largest k of an induction.
 const MAX_DEPTH: u32 = 3;
 
@@ -132,10 +134,18 @@ impl ModelChecker {
         let graph = digest(&without_comment(read(&folder.join("reduced.aig"))?));
         let key = Key::new("graph", &[&graph, method, &self.abc.version]);
         self.cache.kept(&key, is_final, || {
-            let commands = format!("read_aiger reduced.aig; {method}; print_status");
-            let output = self.abc.run(folder, &commands, LIMIT, stop)?;
-            let undecided = (!stop.load(Ordering::Relaxed)).then_some(CheckResult::Undecided);
-            Ok(output.map_or(undecided, |output| Some(result(&output, problem.method))))
+            let run = |method: &str, kind: Method| {
+                let commands = format!("read_aiger reduced.aig; {method}; print_status");
+                let output = self.abc.run(folder, &commands, LIMIT, stop)?;
+                let undecided = (!stop.load(Ordering::Relaxed)).then_some(CheckResult::Undecided);
+                Ok::<_, Error>(output.map_or(undecided, |output| Some(result(&output, kind))))
+            };
+            let found = run(method, problem.method)?;
+            if (found, problem.method) != (Some(CheckResult::Undecided), Method::Inductive) {
+                return Ok(found);
+            }
+            let refuted = run(&format!("bmc3 -F {REFUTED_CYCLES}"), Method::Bounded(REFUTED_CYCLES))?;
+            Ok(refuted.filter(|refuted| *refuted == CheckResult::Fails).or(found))
         })
     }
 }

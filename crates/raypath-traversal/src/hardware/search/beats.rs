@@ -124,10 +124,10 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
             let per_block = 512 / bits as usize;
             let euclidean: Vec<Wire<'_>> = (0..per_block / LANES).map(|k| part(bits, LANES * k + lane)).collect();
             if lane >= LANES / 2 {
-                return chosen(beat, &euclidean);
+                return beat.select(&euclidean);
             }
             let angular: Vec<Wire<'_>> = (0..2 * per_block / LANES).map(|k| part(bits, LANES / 2 * k + lane)).collect();
-            chosen(half, &angular)
+            half.select(&angular)
         };
         let inputs = [("elements_i", elements), ("word_i", at(32)), ("half_i", at(16)), ("byte_i", at(8))];
         m.instance(&format!("u_{name}_{lane}"), &widen, &inputs)[0]
@@ -161,9 +161,3 @@ fn word_or_half(elements: Wire<'_>) -> [Wire<'_>; 2] {
 
 /// Bits of the number of elements of a block that are left, which is at most 64.
 const LEFT_BITS: u32 = 7;
-
-/// The value of this number; numbers behind the values do not occur.
-fn chosen<'m>(number: Wire<'m>, values: &[Wire<'m>]) -> Wire<'m> {
-    let layers = values.len().trailing_zeros();
-    if layers == 0 { values[0] } else { super::super::connect::select(number.lower(layers), values) }
-}

@@ -133,10 +133,6 @@ fn arrivals<'m>(
         bit_of(register.wire(), first.lower(within))
     });
     let found: Vec<Wire<'m>> = found.collect();
-    let is_there = if depth == group {
-        found[0]
-    } else {
-        super::super::connect::select(first.upper(first.width() - within), &found)
-    };
+    let is_there = if depth == group { found[0] } else { first.upper(first.width() - within).select(&found) };
     is_there.named("is_there")
 }

@@ -1,6 +1,6 @@
 //! The best candidates of each search, sorted.
 
-use super::super::connect::{Access, hold, keep, named, select};
+use super::super::connect::{Access, hold, keep, named};
 use super::super::queue::bits;
 use super::super::scheduler::lowest;
 use super::filter::fields;
@@ -128,7 +128,8 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let can_expand = m.concat(&can_expand).named("can_expand");
     let chosen = lowest(can_expand).named("chosen");
     let number = number_of(chosen);
-    let of_entry = |number, field: usize| select(number, &entries.iter().map(|entry| entry[field]).collect::<Vec<_>>());
+    let of_entry =
+        |number: Wire<'_>, field: usize| number.select(&entries.iter().map(|entry| entry[field]).collect::<Vec<_>>());
     let expands = (seeks.wire() & can_expand.any()).named("expands");
     let seeks_on = (seeks.wire() & !can_expand.any() & !is_last).named("seeks_on");
     finds_none.drive(seeks.wire() & !can_expand.any() & is_last);
@@ -137,7 +138,7 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let place = m.register("place_q", PER_WORD.ilog2());
     let is_over = m.register("is_over_q", 1);
     let status = m.concat(&[failed, refused & !failed]).named("status");
-    let found_nothing = select(place.wire(), &is_nothing);
+    let found_nothing = place.wire().select(&is_nothing);
     let is_end = (found_nothing | is_over.wire() | status.any()).named("is_end");
     let pushes = (drains.wire() & found_ready).named("pushes");
     drained.drive(pushes & is_end);
@@ -172,7 +173,7 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     m.output("expands_o", expands);
     m.output("context_o", context);
     let blocks: Vec<Wire<'_>> = entries.iter().map(|entry| entry[1].lower(BLOCK_BITS)).collect();
-    m.output("index_o", select(number, &blocks));
+    m.output("index_o", number.select(&blocks));
     m.output("found_valid_o", drains.wire());
     m.output("found_key_o", of_entry(place.wire(), 0));
     m.output("found_index_o", of_entry(place.wire(), 1));

@@ -1,6 +1,6 @@
 //! What each search fetches next.
 
-use super::super::connect::{Access, hold, keep, named, select};
+use super::super::connect::{Access, hold, keep, named};
 use super::super::scheduler::{after_last, lowest};
 use super::bursts::{Asked, BURST_COLUMNS, Lookup, Sweep, bursts};
 use super::fetch::COUNT_BITS;
@@ -177,7 +177,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let asks = (is_enter | asks_query | asks_list | compares | asks_vector | marks).named("asks");
     let list_number = in_list.mux(number + one, zero).named("list_number");
     let place = step.lower(4) - m.constant(4, 1);
-    let compared = select(place, &list_words).named("compared");
+    let compared = place.select(&list_words).named("compared");
     let kind = [
         (expand, Burst::Expand),
         (drain, Burst::Drain),
