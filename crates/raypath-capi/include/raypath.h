@@ -1060,6 +1060,10 @@ typedef struct {
    */
   uint32_t vec_req_valid;
   /**
+   * 1: no job is in the unit.
+   */
+  uint32_t searches_idle;
+  /**
    * 1: a job that is offered is accepted in this cycle.
    */
   uint32_t search_ready;

@@ -128,8 +128,7 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let can_expand = m.concat(&can_expand).named("can_expand");
     let chosen = lowest(can_expand).named("chosen");
     let number = number_of(chosen);
-    let of_entry =
-        |number: Wire<'_>, field: usize| number.select(&entries.iter().map(|entry| entry[field]).collect::<Vec<_>>());
+    let column = |field: usize| entries.iter().map(|entry| entry[field]).collect::<Vec<_>>();
     let expands = (seeks.wire() & can_expand.any()).named("expands");
     let seeks_on = (seeks.wire() & !can_expand.any() & !is_last).named("seeks_on");
     finds_none.drive(seeks.wire() & !can_expand.any() & is_last);
@@ -175,8 +174,8 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let blocks: Vec<Wire<'_>> = entries.iter().map(|entry| entry[1].lower(BLOCK_BITS)).collect();
     m.output("index_o", number.select(&blocks));
     m.output("found_valid_o", drains.wire());
-    m.output("found_key_o", of_entry(place.wire(), 0));
-    m.output("found_index_o", of_entry(place.wire(), 1));
+    m.output("found_key_o", place.wire().select(&column(0)));
+    m.output("found_index_o", place.wire().select(&column(1)));
     m.output("found_is_end_o", is_end);
     m.output("found_status_o", status);
     builder.finish()
