@@ -57,6 +57,40 @@ fn the_report_agrees_with_the_output() {
     }
 }
 
+/// An index as hnswlib 0.8 saves it, in which each vector is a neighbour of the next.
+fn hnswlib(folder: &Path, rows: &[&[f32]]) -> String {
+    let (count, size) = (rows.len() as u64, 4 * rows[0].len() as u64);
+    let links = 2_u64;
+    let vector = 4 + 4 * links;
+    let head = [0, count, count, vector + size + 8, vector + size, vector].map(u64::to_le_bytes).concat();
+    let rest = [links, links, 1, 0, 9].map(u64::to_le_bytes).concat();
+    let mut bytes = [&head[..], &[0; 8], &rest].concat();
+    for (index, row) in (0..count).zip(rows) {
+        let next = ((index + 1) % count) as u32;
+        bytes.extend([1_u32, next, 0].map(u32::to_le_bytes).concat());
+        bytes.extend(row.iter().flat_map(|x| x.to_le_bytes()));
+        bytes.extend(index.to_le_bytes());
+    }
+    bytes.extend(vec![0; 4 * rows.len()]);
+    file(folder, "index.bin", bytes)
+}
+
+#[test]
+fn a_saved_graph_is_searched_by_the_unit() {
+    let folder = folder();
+    let at = folder.path();
+    let (graph, queries) = (hnswlib(at, &BASE), fvecs(at, "queries.fvecs", &QUERIES));
+    let out = text(&at.join("found.ivecs"));
+    for candidates in ["3", "5"] {
+        let arguments = ["search", &graph, &queries, "-k", "3", "--through", "unit", "--ef", candidates, "--out", &out];
+        let said = page::succeeds(&arguments);
+        assert_eq!(std::fs::read(&out).expect("neighbours"), ivecs(&[&[1, 2, 3], &[2, 3, 1]]), "{candidates}");
+        assert_eq!(printed(&said, "distances "), "10", "each vector leads to the next");
+    }
+    ends_with(&["search", &graph, &queries], 2, &["index.bin", "expected --through unit or --exact"]);
+    ends_with(&["search", &graph, &queries, "--through", "unit", "--ef", "257"], 2, &["257", "256"]);
+}
+
 #[test]
 fn wrong_input_is_named() {
     let folder = folder();

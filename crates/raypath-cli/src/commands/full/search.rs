@@ -58,8 +58,8 @@ pub struct Arguments {
     /// Candidates kept during construction of the graph
     #[arg(long, requires = "index", default_value_t = 200, value_parser = whole(1..=65_536usize), value_name = "N")]
     ef_construction: usize,
-    /// Candidates kept during a graph search [default: five times the neighbours]
-    #[arg(long, requires = "index", value_parser = whole(1..=65_536usize), value_name = "N")]
+    /// Candidates kept during a graph search [default: five times the neighbours, at most 256]
+    #[arg(long, requires = "through", value_parser = whole(1..=MOST_CANDIDATES), value_name = "N")]
     ef: Option<usize>,
     /// Seed of generated vectors and of the graph
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
@@ -73,6 +73,9 @@ pub struct Arguments {
     #[command(flatten)]
     config: ConfigArguments,
 }
+
+/// The most candidates of a unit.
+const MOST_CANDIDATES: usize = SearchParameters::MOST.candidates as usize;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Through {
@@ -167,7 +170,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
 
 impl Arguments {
     fn ef(&self) -> usize {
-        self.ef.unwrap_or(5 * self.k).max(self.k)
+        self.ef.unwrap_or((5 * self.k).min(MOST_CANDIDATES)).max(self.k)
     }
 
     fn name(&self) -> String {
