@@ -342,7 +342,8 @@ impl Unit {
     /// Args:
     ///     base: the vectors: an array of shape (n, d) of float32, float16, or int8 with a ``scale``, as they are in
     ///         memory; or a ``raypath.SavedGraph``.
-    ///     queries: an array of shape (m, d), of the same type; float32 for a graph.
+    ///     queries: an array of shape (m, d), of the same type. With a ``SavedGraph``, their type is that of the elements in
+    ///         memory, to which its vectors are rounded.
     ///     k: the most neighbours of a query, 1 to n and to the ``k`` of the unit.
     ///     metric: "euclidean", "dot" or "cosine". Dot products and cosines are ordered from the greatest.
     ///     index: None, or "hnsw" to build a graph of an array.

@@ -214,7 +214,7 @@ pub fn search(
         _ => None,
     };
     let saved_layer = saved.as_ref().map(|saved| &saved.get().layer);
-    let ef = ef.unwrap_or((5 * k).min(searches.candidates as usize)).max(k);
+    let ef = ef.unwrap_or(k.saturating_mul(5).min(searches.candidates as usize)).max(k);
     watched(py, |progress| {
         let layer = built.map(|(graph, metric)| Layer::build(base, metric, &graph, progress).map(|(layer, _)| layer));
         let layer = layer.transpose().map_err(value_error)?;
