@@ -88,6 +88,10 @@ fn a_saved_graph_is_searched_by_the_unit() {
         assert_eq!(printed(&said, "distances "), "10", "each vector leads to the next");
     }
     ends_with(&["search", &graph, &queries], 2, &["index.bin", "expected --through unit or --exact"]);
+    for more in [&["--exact"][..], &["--through", "unit", "--exact"]] {
+        let arguments = [&["search", &graph, &queries, "--ef", "4"], more].concat();
+        ends_with(&arguments, 2, &["--ef 4", "expected --index hnsw or a saved graph"]);
+    }
     ends_with(&["search", &graph, &queries, "--through", "unit", "--ef", "257"], 2, &["257", "256"]);
 }
 

@@ -59,7 +59,7 @@ pub struct Arguments {
     #[arg(long, requires = "index", default_value_t = 200, value_parser = whole(1..=65_536usize), value_name = "N")]
     ef_construction: usize,
     /// Candidates kept during a graph search [default: five times the neighbours, at most 256]
-    #[arg(long, requires = "through", value_parser = whole(1..=MOST_CANDIDATES), value_name = "N")]
+    #[arg(long, value_parser = whole(1..=MOST_CANDIDATES), value_name = "N")]
     ef: Option<usize>,
     /// Seed of generated vectors and of the graph
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
@@ -107,8 +107,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let (base, queries) = (&dataset.base, &dataset.queries);
     let searched = format!("{} vectors of {} dimensions", base.len(), base.dimensions());
     writeln!(out, "{searched}, {} queries, {metric} distance", queries.len())?;
+    let has_graph = arguments.index.is_some() || dataset.layer.is_some() && !arguments.exact;
+    if let Some(ef) = arguments.ef.filter(|_| !has_graph) {
+        let problem = format!("--ef {ef}: candidates are kept in a graph, expected --index hnsw or a saved graph");
+        return Err(CliError::unusable(problem));
+    }
     let graph = arguments.index.map(|Index::Hnsw| arguments.graph(&dataset, metric, out)).transpose()?;
-    if dataset.layer.is_some() && graph.is_none() && !arguments.exact && arguments.through.is_none() {
+    if has_graph && arguments.through.is_none() {
         let problem =
             format!("{}: the unit searches a saved graph, expected --through unit or --exact", arguments.name());
         return Err(CliError::unusable(problem));
@@ -129,18 +134,18 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
             };
             let jobs = UnitJobs::new(&spec)?;
             let found = watched("queries", queries.len(), |progress| jobs.search(progress))?;
-            Some((jobs, found, layer.is_some()))
+            Some((jobs, found))
         }
     };
     let results = match &of_unit {
-        Some((_, found, _)) => found.results(metric),
+        Some((_, found)) => found.results(metric),
         None => match arguments.divided(&dataset, metric, config)? {
             Ok(results) => results,
             Err(message) => return Ok(writeln!(out, "{message}")?),
         },
     };
     let mut rows = describe(&results, base.dimensions());
-    if let Some((_, found, _)) = &of_unit {
+    if let Some((_, found)) = &of_unit {
         let of_query = |total: u64| format!("{:.1}", results.per_query(total));
         rows.push(("bytes that a query reads".to_string(), of_query(found.bytes())));
         rows.push(("candidates that a query expands".to_string(), of_query(found.expansions)));
@@ -158,8 +163,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         write_ivecs(&results, &mut bytes)?;
         files.push((path.clone(), bytes));
     }
-    if let Some((jobs, found, has_graph)) = &of_unit {
-        let candidates = if *has_graph { arguments.ef() } else { arguments.k };
+    if let Some((jobs, found)) = &of_unit {
+        let candidates = if has_graph { arguments.ef() } else { arguments.k };
         let needs = unit::Needs { neighbours: arguments.k, candidates, dimensions: base.dimensions() };
         let title = format!("{}: {} nearest of {searched}, {metric}", arguments.name(), arguments.k);
         let subject = unit::Subject { title, metric, jobs, found, needs, rows: &rows };
