@@ -1919,13 +1919,13 @@ uint32_t raypath_scene_root(const raypath_scene *scene);
 float raypath_scene_reach(const raypath_scene *scene);
 
 /**
- * Does the job at an address of a memory of `size` bytes by the functional model, and sets `neighbours`, the best first,
- * and `*reply`. The first byte of the memory has the address 0; an address outside of it is an error of the memory.
- * `base` has the upper 32 bits of all addresses. The layout of a job is that of `docs/reference/searching.md`. Any thread
- * may call it.
+ * Does the job at an address of a memory of `size` bytes by the functional model, and sets `neighbours`, the best
+ * first, and `*reply`. The first byte of the memory has the address 0; an address outside of it is an error of the
+ * memory. `base` has the upper 32 bits of all addresses. The layout of a job is that of `docs/reference/searching.md`.
+ * Any thread may call it.
  *
- * Errors: `RAYPATH_ERROR_ARGUMENT` for a unit without searches, an address that is not a multiple of 64, and a capacity
- * below the number of neighbours; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then nothing is set.
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for a unit without searches, an address that is not a multiple of 64, and a
+ * capacity below the number of neighbours; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then nothing is set.
  *
  * # Safety
  * `unit` is NULL or an open unit; `reply` is NULL or points to a structure; the arrays are NULL or have that many
@@ -1943,8 +1943,8 @@ raypath_status raypath_unit_search(const raypath_unit *unit,
 /**
  * `raypath_unit_model_step` of a unit with searches, with their inputs.
  *
- * Errors: those of `raypath_unit_model_step`; `RAYPATH_ERROR_ARGUMENT` for a job of a unit without searches, one with an
- * id or a base of too many bits, or an address that is not a multiple of 64. Then no cycle passes.
+ * Errors: those of `raypath_unit_model_step`; `RAYPATH_ERROR_ARGUMENT` for a job of a unit without searches, one with
+ * an id or a base of too many bits, or an address that is not a multiple of 64. Then no cycle passes.
  *
  * # Safety
  * That of `raypath_unit_model_step`, also for `search`.

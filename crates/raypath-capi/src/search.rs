@@ -4,7 +4,7 @@ use crate::Unit;
 use crate::memory::{array, reference, reference_mut, results};
 use crate::status::{RAYPATH_OK, Status, status};
 use crate::unit_model::{UnitInputs, UnitModel};
-use raypath_embed::{self as embed, Response, SearchStatus};
+use raypath_embed::{self as embed, SearchStatus};
 
 /// `raypath_search_reply`: the neighbours are complete.
 pub const RAYPATH_SEARCH_DONE: u32 = 0;
@@ -98,13 +98,13 @@ pub struct SearchOutputs {
     pub result_status: u32,
 }
 
-/// Does the job at an address of a memory of `size` bytes by the functional model, and sets `neighbours`, the best first,
-/// and `*reply`. The first byte of the memory has the address 0; an address outside of it is an error of the memory.
-/// `base` has the upper 32 bits of all addresses. The layout of a job is that of `docs/reference/searching.md`. Any thread
-/// may call it.
+/// Does the job at an address of a memory of `size` bytes by the functional model, and sets `neighbours`, the best
+/// first, and `*reply`. The first byte of the memory has the address 0; an address outside of it is an error of the
+/// memory. `base` has the upper 32 bits of all addresses. The layout of a job is that of `docs/reference/searching.md`.
+/// Any thread may call it.
 ///
-/// Errors: `RAYPATH_ERROR_ARGUMENT` for a unit without searches, an address that is not a multiple of 64, and a capacity
-/// below the number of neighbours; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then nothing is set.
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for a unit without searches, an address that is not a multiple of 64, and a
+/// capacity below the number of neighbours; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then nothing is set.
 ///
 /// # Safety
 /// `unit` is NULL or an open unit; `reply` is NULL or points to a structure; the arrays are NULL or have that many
@@ -143,8 +143,8 @@ pub unsafe extern "C" fn raypath_unit_search(
 
 /// `raypath_unit_model_step` of a unit with searches, with their inputs.
 ///
-/// Errors: those of `raypath_unit_model_step`; `RAYPATH_ERROR_ARGUMENT` for a job of a unit without searches, one with an
-/// id or a base of too many bits, or an address that is not a multiple of 64. Then no cycle passes.
+/// Errors: those of `raypath_unit_model_step`; `RAYPATH_ERROR_ARGUMENT` for a job of a unit without searches, one with
+/// an id or a base of too many bits, or an address that is not a multiple of 64. Then no cycle passes.
 ///
 /// # Safety
 /// That of `raypath_unit_model_step`, also for `search`.
@@ -159,13 +159,9 @@ pub unsafe extern "C" fn raypath_unit_model_step_with(
         let (model, inputs) = unsafe { (reference_mut("model", model)?, reference("inputs", inputs)?) };
         // SAFETY: as above.
         let search = unsafe { reference("search", search)? };
-        let response = if search.vec_rsp_valid == 0 {
-            None
-        } else {
-            // SAFETY: as above.
-            let beat = unsafe { array("vec_rsp_data", search.vec_rsp_data, model.beat_bytes)? };
-            Some(Response { tag: search.vec_rsp_tag, is_error: search.vec_rsp_error != 0, beat })
-        };
+        let flags = [search.vec_rsp_valid, search.vec_rsp_tag, search.vec_rsp_error];
+        // SAFETY: as above.
+        let response = unsafe { model.response("vec_rsp_data", flags, search.vec_rsp_data)? };
         let job = (search.search_id, search.search_base, search.search_job);
         let search = embed::SearchInputs {
             job: (search.search_valid != 0).then_some(job),

@@ -217,13 +217,10 @@ impl UnitModel {
         inputs: &UnitInputs,
         search: embed::SearchInputs<'_>,
     ) -> Result<Status, Failure> {
-        let response = if inputs.mem_rsp_valid == 0 {
-            None
-        } else {
-            // SAFETY: by the contract of this function.
-            let beat = unsafe { array("mem_rsp_data", inputs.mem_rsp_data, self.beat_bytes)? };
-            Some(Response { tag: inputs.mem_rsp_tag, is_error: inputs.mem_rsp_error != 0, beat })
-        };
+        let UnitInputs { mem_rsp_valid, mem_rsp_tag, mem_rsp_error, mem_rsp_data, .. } = *inputs;
+        let flags = [mem_rsp_valid, mem_rsp_tag, mem_rsp_error];
+        // SAFETY: by the contract of this function.
+        let response = unsafe { self.response("mem_rsp_data", flags, mem_rsp_data)? };
         self.embedded.step(&embed::UnitInputs {
             ray: (inputs.ray_valid != 0).then_some((inputs.ray_id, &inputs.ray)),
             hit_ready: inputs.hit_ready != 0,
@@ -235,6 +232,24 @@ impl UnitModel {
             search,
         })?;
         Ok(RAYPATH_OK)
+    }
+
+    /// The beat of a channel whose `valid`, `tag` and `error` these are.
+    ///
+    /// # Safety
+    /// The data have an eighth of the memory's width if the beat is valid.
+    pub(crate) unsafe fn response<'b>(
+        &self,
+        name: &str,
+        [valid, tag, error]: [u32; 3],
+        data: *const u8,
+    ) -> Result<Option<Response<'b>>, Failure> {
+        if valid == 0 {
+            return Ok(None);
+        }
+        // SAFETY: by the contract of this function.
+        let beat = unsafe { array(name, data, self.beat_bytes)? };
+        Ok(Some(Response { tag, is_error: error != 0, beat }))
     }
 }
 

@@ -131,10 +131,7 @@ impl Unit {
         let Some(parameters) = self.parameters().search.0 else {
             return Err(Error::Argument("a unit without searches, expected one with them".to_string()));
         };
-        if !job.is_multiple_of(SEARCH_BLOCK) {
-            let problem = format!("a job at the address {job:#x}, expected a multiple of {SEARCH_BLOCK}");
-            return Err(Error::Argument(problem));
-        }
+        check_address(job)?;
         Ok(search(memory, base, job, &parameters))
     }
 
@@ -170,4 +167,12 @@ impl Unit {
         write_all(&in_folder(folder, files))?;
         Ok(count)
     }
+}
+
+/// An error for a job at an address that is not that of a block.
+fn check_address(job: u32) -> Result<(), Error> {
+    if job.is_multiple_of(SEARCH_BLOCK) {
+        return Ok(());
+    }
+    Err(Error::Argument(format!("a job at the address {job:#x}, expected a multiple of {SEARCH_BLOCK}")))
 }

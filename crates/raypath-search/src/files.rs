@@ -31,8 +31,9 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// Reads a data set from one `.hdf5` file in the layout of ann-benchmarks, or from separate files; the base may be a
-    /// graph ([`read_graph`]) with the extension `.bin`, `.faiss`, `.hnsw` or `.index`. `queries` and `truth` replace those of an `.hdf5` file; with other queries its truth is ignored.
+    /// Reads a data set from one `.hdf5` file in the layout of ann-benchmarks, or from separate files; the base may be
+    /// a graph ([`read_graph`]) with the extension `.bin`, `.faiss`, `.hnsw` or `.index`. `queries` and `truth` replace
+    /// those of an `.hdf5` file; with other queries its truth is ignored.
     ///
     /// # Errors
     /// A file that cannot be read or has wrong content ([`FileError`]); queries of another dimension than the base;

@@ -28,9 +28,9 @@ impl Default for GraphParameters {
 }
 
 impl Layer {
-    /// The lowest layer of a graph that is built with the distances of the datapath, and the work to build it. Vectors are
-    /// inserted one after another, so equal bases, parameters and seeds give equal graphs, on any machine. `progress` gets
-    /// the number of inserted vectors.
+    /// The lowest layer of a graph that is built with the distances of the datapath, and the work to build it. Vectors
+    /// are inserted one after another, so equal bases, parameters and seeds give equal graphs, on any machine.
+    /// `progress` gets the number of inserted vectors.
     ///
     /// # Errors
     /// A parameter out of range; [`Stopped`](SearchError::Stopped).

@@ -1,9 +1,9 @@
 //! Nearest-neighbour search with the distance operations of the datapath.
 //!
 //! A vector of any dimension enters the datapath as beats of 16 Euclidean or 8 angular lanes, and leaves as accumulated
-//! sums. Square root and division are outside the datapath. [`Exact`] compares a query with every vector. [`UnitJobs`] are
-//! jobs for the unit's models, which also search a graph ([`Layer`]). [`Dataset`] reads vectors from files, [`Clusters`]
-//! generates them.
+//! sums. Square root and division are outside the datapath. [`Exact`] compares a query with every vector. [`UnitJobs`]
+//! are jobs for the unit's models, which also search a graph ([`Layer`]). [`Dataset`] reads vectors from files,
+//! [`Clusters`] generates them.
 //!
 //! ```
 //! use raypath_search::{Exact, Metric, Vectors};

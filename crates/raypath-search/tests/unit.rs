@@ -104,3 +104,17 @@ fn the_cycle_exact_model_finds_the_same_neighbours() {
         assert!(jobs.time(&found, (&shape, less), memory, [20, 0], &|_| true).is_err(), "jobs are refused");
     }
 }
+
+/// A query of zeros has no angle, so that the cosines of its neighbours are NaN, in both models.
+#[test]
+fn neighbours_without_an_angle_are_the_same_in_both_models() {
+    let queries = Vectors::new(dataset().base.dimensions(), vec![0.0; dataset().base.dimensions()]).expect("a query");
+    let dataset = Dataset { queries, ..dataset() };
+    let jobs = jobs(&dataset, Metric::Angular, StoredAs::Binary32, COUNT, None).expect("jobs");
+    let found = jobs.search(&|_| true).expect("a search");
+    assert_eq!(found.rows[0].len(), COUNT);
+    assert!(found.rows[0].iter().all(|near| near.distance.is_nan()), "{:?}", found.rows[0]);
+    let unit = UnitParameters { search: "k=10,m=16".parse().expect("searches"), ..UnitParameters::default() };
+    let memory = SearchMemory { width: 512, latency: 20 };
+    jobs.time(&found, (&Shape::default(), unit), memory, [1, 0], &|_| true).expect("the same neighbours");
+}

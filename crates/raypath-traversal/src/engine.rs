@@ -59,7 +59,7 @@ pub struct SearchOutputs {
 }
 
 /// A result of a search.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchResult {
     /// The number of the job.
     pub id: u64,
@@ -71,20 +71,6 @@ pub struct SearchResult {
     pub status: SearchStatus,
     /// Whether it is the job's last.
     pub is_last: bool,
-}
-
-impl PartialEq for SearchResult {
-    /// Distances are equal in all bits, or both are NaN.
-    fn eq(&self, other: &Self) -> bool {
-        let words = |result: &Self| {
-            let Self { id, rank, neighbour, status, is_last } = *result;
-            let bits = |Neighbour { index, distance }| {
-                (index, if distance.is_nan() { u32::MAX } else { f32::to_bits(distance) })
-            };
-            (id, rank, neighbour.map(bits), status, is_last)
-        };
-        words(self) == words(other)
-    }
 }
 
 /// A beat of a block.

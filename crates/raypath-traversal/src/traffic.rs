@@ -150,9 +150,12 @@ impl<'s, M: Memory + ?Sized> Environment<'s, M> {
         Self { address_mask: address_mask.into(), ..self }
     }
 
-    /// Whether all rays have ended, or were lost in a reset or a flush.
+    /// Whether all rays and searches have ended, or were lost in a reset or a flush.
     pub fn is_done(&self) -> bool {
-        !self.flushes && self.replies.len() + self.lost == self.rays.len()
+        let searches = self.searches.as_ref();
+        !self.flushes
+            && self.replies.len() + self.lost == self.rays.len()
+            && searches.is_none_or(SearchTraffic::is_done)
     }
 
     /// The cycles so far.

@@ -323,8 +323,8 @@ pub fn rays(setting: &Setting, module: &Module) -> String {
     .replace('@', part)
 }
 
-/// The candidates of a word of a list that is read, `p_old`, and written, `p_new`, with their marks, and the addresses of
-/// both. Contexts have W bits, and the numbers of words B.
+/// The candidates of a word of a list that is read, `p_old`, and written, `p_new`, with their marks, and the addresses
+/// of both. Contexts have W bits, and the numbers of words B.
 pub fn list(_: &Setting, module: &Module) -> String {
     let width = module.port_width("context_i").unwrap_or(1);
     let of_words = module.port_width("clear_candidate_i").map_or(1, |bits| bits - 4);

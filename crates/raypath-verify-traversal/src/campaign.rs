@@ -156,8 +156,8 @@ pub struct Episode {
 }
 
 impl Episode {
-    /// The episode with this number in the campaign of this seed, for a unit with these parameters, and the generator of
-    /// what else is random in it.
+    /// The episode with this number in the campaign of this seed, for a unit with these parameters, and the generator
+    /// of what else is random in it.
     ///
     /// One in nine, so that each of eight units in turn has its share, has a scene as deep as a unit can walk, and no
     /// reset and no error that ends a ray before.
@@ -237,7 +237,7 @@ impl Episode {
         random: &mut ChaCha8Rng,
     ) -> Result<u64, String> {
         let mut resets = 0;
-        while !environment.is_done() || environment.searches.as_ref().is_some_and(|searches| !searches.is_done()) {
+        while !environment.is_done() {
             if random.random_range(0..65_536) < self.resets && resets < MOST_RESETS {
                 // A unit that is flushed is not reset: both lose the rays inside.
                 match random.random() {
@@ -278,13 +278,14 @@ pub fn run(
     let mut counts = Counts { episodes: 1, ..Counts::default() };
     let mut model = Unit::new(Rules::Paper, parameters.step);
     let expected: Vec<Reply> = rays.iter().map(|ray| model.trace_with(&scene.0[..], ray, &mut verdict_of)).collect();
+    let expected_searches = episode.found(parameters);
     let limit = if is_tight {
         let mut alone = episode.environment(parameters, seed);
         episode.drive(&mut alone, &mut [&mut UnitModel::of(unit)], u64::MAX, &mut resets())?;
         4 * alone.cycles()
     } else {
         let blocks: u64 = expected.iter().map(|reply| u64::from(2 * reply.nodes + reply.triangles) + 4).sum();
-        let of_searches = episode.found(parameters).iter().map(|reply| 2 * reply.counts.blocks + 40).sum::<u64>();
+        let of_searches = expected_searches.iter().map(|reply| 2 * reply.counts.blocks + 40).sum::<u64>();
         limit(blocks + of_searches, behaviour, longest_stall)
     };
     counts.resets = episode.drive(&mut environment, &mut [netlist, &mut cycle_exact], limit, &mut resets())?;
@@ -312,11 +313,11 @@ pub fn run(
         return Err(format!("{blocks} blocks had errors, and {errors} rays ended in one"));
     }
     if let Some(searches) = &environment.searches {
-        for (id, expected) in (0..).zip(episode.found(parameters)) {
+        for (id, expected) in (0..).zip(&expected_searches) {
             let Some((found, neighbours)) = searches.replies.get(&id) else { continue };
             if behaviour.errors > 0 && *found == SearchStatus::Memory && neighbours.is_empty() {
                 counts.errors += 1;
-            } else if *found != expected.status || format!("{neighbours:?}") != format!("{:?}", expected.neighbours) {
+            } else if (found, neighbours) != (&expected.status, &expected.neighbours) {
                 return Err(format!("search {id}: found {found:?}, {neighbours:?}, expected {expected:?}"));
             } else {
                 counts.searches += 1;

@@ -39,38 +39,42 @@ fn more() -> [UnitParameters; 3] {
 /// The beginning of an assertion's statement, before and after its name.
 pub(crate) const ASSERTION: [&str; 2] = ["  always_comb ", ": assert ("];
 
-/// The properties of which only the one of this name is asserted; the others become wires without a reader.
-pub(crate) fn only(properties: &str, name: &str) -> String {
-    let assertions = properties.split(ASSERTION[0]).map(|statement| match statement.split_once(ASSERTION[1]) {
-        Some((other, _)) if other != name && !other.contains([' ', '\n']) => {
-            statement.replacen(&format!("{other}{}", ASSERTION[1]), &format!("  wire p_not_{other} = ("), 1)
-        }
+/// The properties with each assertion as this turns it, from its name and what follows the opening parenthesis.
+fn turned(properties: &str, mut turn: impl FnMut(&str, &str) -> String) -> String {
+    let mut statements = properties.split(ASSERTION[0]);
+    let first = statements.next().unwrap_or_default().to_string();
+    let rest = statements.map(|statement| match statement.split_once(ASSERTION[1]) {
+        Some((name, rest)) if !name.contains([' ', '\n']) => turn(name, rest),
         _ => format!("{}{statement}", ASSERTION[0]),
     });
-    assertions.collect::<String>().replacen(ASSERTION[0], "", 1)
+    first + &rest.collect::<String>()
+}
+
+/// The properties of which only the one of this name is asserted; the others become wires without a reader.
+pub(crate) fn only(properties: &str, name: &str) -> String {
+    let [before, after] = ASSERTION;
+    turned(properties, |other, rest| match other == name {
+        true => format!("{before}{other}{after}{rest}"),
+        false => format!("  wire p_not_{other} = ({rest}"),
+    })
 }
 
 /// Each property by itself, with its name, if all hold in the cycles before: together they are an induction, of which a
 /// solver finds each part faster than the whole.
 fn each(properties: &str) -> Vec<(String, String)> {
-    let (mut names, mut text) = (Vec::new(), String::new());
-    for (number, statement) in properties.split(ASSERTION[0]).enumerate() {
-        match statement.split_once(ASSERTION[1]) {
-            Some((name, rest)) if number > 0 && !name.contains([' ', '\n']) => {
-                names.push(name);
-                text += &format!("  wire p_is_{name} = ({rest}");
-            }
-            _ => text += &format!("{}{statement}", if number > 0 { ASSERTION[0] } else { "" }),
-        }
-    }
+    let mut names = Vec::new();
+    let text = turned(properties, |name, rest| {
+        names.push(name.to_string());
+        format!("  wire p_is_{name} = ({rest}")
+    });
     let all: Vec<String> = names.iter().map(|name| format!("p_is_{name}")).collect();
-    text += &format!(
+    let held = format!(
         "  logic p_held_q;\n  always_ff @(posedge clk_i or negedge rst_ni)\n    if (!rst_ni) p_held_q <= 1;\n    \
          else p_held_q <= p_held_q && {};\n",
         all.join(" && ")
     );
-    let one = |name: &str| format!("{text}  always_comb {name}: assert (!p_held_q || p_is_{name});\n");
-    names.iter().map(|name| (name.to_string(), one(name))).collect()
+    let one = |name: &String| format!("{text}{held}  always_comb {name}: assert (!p_held_q || p_is_{name});\n");
+    names.iter().map(|name| (name.clone(), one(name))).collect()
 }
 
 impl Setting {

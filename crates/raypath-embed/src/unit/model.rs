@@ -1,8 +1,8 @@
 //! The cycle-exact model of the unit.
 
-use super::Unit;
 use super::layout::{UnitHit, UnitRay};
 use super::query::{UnitCandidate, UnitVerdict};
+use super::{Unit, check_address};
 use crate::Error;
 use crate::state::{restore, save};
 use raypath_model::state;
@@ -120,9 +120,9 @@ impl UnitModel {
     /// The clock edge that ends this cycle.
     ///
     /// # Errors
-    /// A number of a ray or of a job with more bits than the unit has for it; a ray with a value that its port does not have; a
-    /// beat for a tag without an outstanding request, or of another size than the memory's width; a verdict for a tag
-    /// whose candidate was not taken. Then no cycle passes.
+    /// A number of a ray or of a job with more bits than the unit has for it; a ray or a job with a value that its port
+    /// does not have; a job for a unit without searches; a beat for a tag without an outstanding request, or of another
+    /// size than the memory's width; a verdict for a tag whose candidate was not taken. Then no cycle passes.
     pub fn step(&mut self, inputs: &UnitInputs<'_>) -> Result<(), Error> {
         if let Some((id, ray)) = inputs.ray {
             self.check_ray(id, ray)?;
@@ -260,27 +260,27 @@ impl UnitModel {
     }
 
     fn check_ray(&self, id: u64, ray: &UnitRay) -> Result<(), Error> {
-        let bits = self.parameters.id_width;
-        if id > u64::MAX >> (64 - bits) {
-            return Err(Error::Argument(format!("a ray with the id {id}, expected at most {bits} bits")));
-        }
+        self.check_id("ray", id)?;
         ray.check(self.parameters).map_err(Error::Argument)
     }
 
     fn check_job(&self, id: u64, base: u32, address: u32) -> Result<(), Error> {
-        let UnitParameters { id_width, address_width, search, .. } = self.parameters;
+        let UnitParameters { address_width, search, .. } = self.parameters;
         let refused = |problem: String| Err(Error::Argument(problem));
         if search.0.is_none() {
             return refused("a job for a unit without searches, expected one with them".to_string());
         }
-        if id > u64::MAX >> (64 - id_width) {
-            return refused(format!("a job with the id {id}, expected at most {id_width} bits"));
-        }
+        self.check_id("job", id)?;
         if u64::from(base) >> (address_width - 32) != 0 {
             return refused(format!("a job with the base {base:#x}, expected at most {} bits", address_width - 32));
         }
-        if !address.is_multiple_of(SEARCH_BLOCK) {
-            return refused(format!("a job at the address {address:#x}, expected a multiple of {SEARCH_BLOCK}"));
+        check_address(address)
+    }
+
+    fn check_id(&self, of: &str, id: u64) -> Result<(), Error> {
+        let bits = self.parameters.id_width;
+        if id > u64::MAX >> (64 - bits) {
+            return Err(Error::Argument(format!("a {of} with the id {id}, expected at most {bits} bits")));
         }
         Ok(())
     }

@@ -25,6 +25,8 @@ pub struct SavedGraph {
 /// A file that cannot be read, is no such index, or has other labels, deleted vectors, or more vectors than fit into
 /// `limit`, as for [`read_vectors`](crate::read_vectors).
 pub fn read_graph(file: &Path, limit: MemoryLimit) -> Result<SavedGraph, FileError> {
+    let length = std::fs::metadata(file).map_err(FileError::of(file))?.len();
+    limit.check_bytes("the bytes of a graph", length.into()).map_err(FileError::of(file))?;
     let bytes = std::fs::read(file).map_err(FileError::of(file))?;
     let mut source = Bytes { file, bytes: &bytes, at: 0 };
     if bytes.starts_with(b"IHNf") { faiss(&mut source, limit) } else { hnswlib(&mut source, limit) }

@@ -67,6 +67,8 @@ fn other_files_are_named() {
         for length in (0..bytes.len()).step_by(997) {
             error(&bytes[..length], &["found"]);
         }
+        let small = read_graph(&Written::new(name, &bytes).path, MemoryLimit::of(1000)).map(|_| ());
+        assert_error(name, small, &[&format!("the bytes of a graph take {} bytes", bytes.len())]);
         error(&[&bytes[..], &[0]].concat(), &["end of the file"]);
         error(&[7; 5000], &["other sizes", "hnswlib", "faiss"]);
         let changed = |at: usize, value: &[u8]| {

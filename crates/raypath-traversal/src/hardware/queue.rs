@@ -1,7 +1,7 @@
 //! A queue in a memory.
 
 use raypath_hdl::text::Template;
-use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_hdl::{Builder, Error, Module, Register, Wire};
 use std::sync::Arc;
 
 /// The queue `name` of `depth` words in a memory and one at the output, with these columns.
@@ -62,6 +62,13 @@ pub fn template(
         parameters: vec![("Depth", depth), ("Width", width)],
         ports: ports.chain([("data_o".to_string(), words("o"))]).collect(),
     }
+}
+
+/// Counts the words of a queue that is pushed and popped.
+pub fn count_words<'m>(count: Register<'m>, push: Wire<'m>, pop: Wire<'m>) {
+    let m = push.builder();
+    let step = m.concat(&[(!push & pop).replicate(count.wire().width() - 1), push ^ pop]);
+    count.next(count.wire() + step);
 }
 
 /// The number after one of 0 to `count` - 1, in a circle.

@@ -13,12 +13,20 @@ use std::collections::HashSet;
 const PER_BLOCK: u32 = SEARCH_BLOCK / 4;
 
 /// A neighbour of a query.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Neighbour {
     /// The index of the vector.
     pub index: u32,
     /// The Euclidean distance, the dot product, or the cosine of the angle.
     pub distance: f32,
+}
+
+impl PartialEq for Neighbour {
+    /// Distances are equal in all bits, or both are NaN.
+    fn eq(&self, other: &Self) -> bool {
+        let bits = |distance: f32| if distance.is_nan() { f32::NAN.to_bits() } else { distance.to_bits() };
+        (self.index, bits(self.distance)) == (other.index, bits(other.distance))
+    }
 }
 
 /// How a search ended.

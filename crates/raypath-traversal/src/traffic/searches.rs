@@ -71,7 +71,7 @@ impl<'m> SearchTraffic<'m> {
     }
 
     /// All jobs have ended or were lost.
-    pub fn is_done(&self) -> bool {
+    pub(super) fn is_done(&self) -> bool {
         self.replies.len() + self.lost == self.jobs.len()
     }
 

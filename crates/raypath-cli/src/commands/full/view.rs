@@ -1,4 +1,4 @@
-//! Options of `render`, `search` and `replay` for reports and timelines of a run.
+//! Options of `render` and `replay` for reports and timelines of a run.
 
 use crate::commands::full::utilisation::{operations, table, utilisation};
 use crate::{CliError, whole};

@@ -9,7 +9,7 @@ use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
 use raypath_rtl::package::Prefix;
 use raypath_sim::files::{in_folder, write_design};
-use raypath_traversal::search::{Neighbour, SearchImage, SearchParameters, search};
+use raypath_traversal::search::{SearchImage, SearchParameters, search};
 use raypath_traversal::traffic::{
     Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, TwoLevelScene, random_ray, random_searches,
     verdict_of,
@@ -153,10 +153,9 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
     let mut environment = Environment::new(&scene.0, unit.parameters, rays.clone(), BEHAVIOUR, arguments.seed);
     let searches = Checked::new(unit, arguments.seed)?;
     environment.searches = searches.as_ref().map(|searches| searches.traffic(unit, arguments.seed));
-    let has_searches = |environment: &Environment<'_>| environment.searches.as_ref().is_some_and(|all| !all.is_done());
     let mut progress = Progress::new("rays", total);
     let limit = CYCLES_PER_RAY.saturating_mul(total as u64);
-    while (!environment.is_done() || has_searches(&environment)) && progress.at(environment.replies.len()) {
+    while !environment.is_done() && progress.at(environment.replies.len()) {
         let cycle = environment.cycle(&mut [&mut netlist, &mut model]);
         cycle.map_err(|problem| CliError::Mismatch(format!("netlist and cycle-exact model: {problem}")))?;
         if environment.cycles() > limit {
@@ -232,14 +231,8 @@ impl Checked {
         let (mut neighbours, mut different) = (0, 0);
         for (number, job) in (0..).zip(&self.jobs) {
             let expected = search(&self.image, 0, *job, &self.parameters);
-            let bits = |near: &Neighbour| {
-                (near.index, if near.distance.is_nan() { None } else { Some(near.distance.to_bits()) })
-            };
-            let found = searches.replies.get(&number);
-            let is_same = found.is_some_and(|(status, found)| {
-                *status == expected.status && found.iter().map(bits).eq(expected.neighbours.iter().map(bits))
-            });
             neighbours += expected.neighbours.len();
+            let is_same = searches.replies.get(&number) == Some(&(expected.status, expected.neighbours));
             different += usize::from(!is_same);
         }
         let count = self.jobs.len();

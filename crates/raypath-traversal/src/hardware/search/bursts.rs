@@ -1,7 +1,7 @@
 //! The addresses of what searches ask for, and the indices whose vectors were compared.
 
 use super::super::connect::{Inputs, Outputs, hold, keep, named};
-use super::super::queue::queue;
+use super::super::queue::{count_words, queue};
 use super::fetch::COUNT_BITS;
 use super::wiring::{BLOCK_BITS, BURST_BITS, context_bits};
 use crate::search::SearchParameters;
@@ -45,8 +45,8 @@ pub struct Sweep<'m> {
     pub goes_on: Register<'m>,
 }
 
-/// The bursts that wait for the fetch. What is asked for is held until it has moved on; a vector that was compared before,
-/// or is none, is dropped.
+/// The bursts that wait for the fetch. What is asked for is held until it has moved on; a vector that was compared
+/// before, or is none, is dropped.
 pub fn bursts<'m>(
     m: &'m Builder,
     parameters: SearchParameters,
@@ -111,8 +111,7 @@ pub fn bursts<'m>(
         ("count", COUNT_BITS),
     ];
     let pops = m.forward("pops", 1);
-    let step = m.concat(&[(!pushes & pops.wire()).replicate(count_q.wire().width() - 1), pushes ^ pops.wire()]);
-    count_q.next(count_q.wire() + step);
+    count_words(count_q, pushes, pops.wire());
     let bursts = [kind, burst_context, index, block, count];
     let queue = Inputs::default()
         .port("push", pushes)

@@ -2,7 +2,7 @@
 
 use super::super::connect::{Inputs, delay, delay_by};
 use super::super::division::{Division, Operands, divide};
-use super::super::queue::queue;
+use super::super::queue::{count_words, queue};
 use super::beats::NORM;
 use super::wiring::{BURST_BITS, Burst, context_bits, key_of};
 use crate::search::SearchParameters;
@@ -34,8 +34,7 @@ pub fn ranks(parameters: SearchParameters, divider_latency: u32) -> Result<Arc<M
     m.section("What was sent and has not left");
     let pops = m.forward("pops", 1);
     let count = m.register("count_q", IN_FLIGHT.ilog2() + 1).reset_to(0);
-    let step = m.concat(&[(!sent & pops.wire()).replicate(count.wire().width() - 1), sent ^ pops.wire()]);
-    count.next(count.wire() + step);
+    count_words(count, sent, pops.wire());
     let first = Inputs::default()
         .port("push", sent)
         .ports(fields.iter().zip(of_sent).map(|((name, _), wire)| (name.to_string(), wire)))

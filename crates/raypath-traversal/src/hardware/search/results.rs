@@ -1,7 +1,7 @@
 //! The distances of neighbours, and the channel of results.
 
 use super::super::connect::{Inputs, delay, delay_by, hold, keep, named};
-use super::super::queue::queue;
+use super::super::queue::{count_words, queue};
 use super::wiring::{context_bits, rank_of_key};
 use crate::search::SearchParameters;
 use raypath_float::{DivSqrt, Format, Product, decode, encode, mul};
@@ -48,8 +48,7 @@ pub fn results(parameters: SearchParameters, id_width: u32) -> Result<Arc<Module
     let (pops, can_push) = (m.forward("pops", 1), m.forward("can_push", 1));
     let push = (valid & can_push.wire()).named("push");
     let count = m.register("count_q", WAITING.ilog2() + 1).reset_to(0);
-    let step = m.concat(&[(!push & pops.wire()).replicate(count.wire().width() - 1), push ^ pops.wire()]);
-    count.next(count.wire() + step);
+    count_words(count, push, pops.wire());
     can_push.drive(!count.wire().top());
     let first = Inputs::default()
         .port("push", push)

@@ -1,4 +1,4 @@
-//! The traversal unit: its cycle-exact model, and Verilator on the same rays in the same scene, and on the same searches.
+//! The traversal unit: its cycle-exact model, and Verilator on the same rays and searches.
 
 use crate::commands::full::bench::result::{Results, seconds};
 use crate::error::CliError;
@@ -113,7 +113,7 @@ fn verilator(
     environment.searches = searches;
     let top = &unit.top;
     let mut recorder = RecordedEngine::new(UnitModel::of(unit), top);
-    while !environment.is_done() || environment.searches.as_ref().is_some_and(|searches| !searches.is_done()) {
+    while !environment.is_done() {
         environment.cycle(&mut [&mut recorder]).map_err(CliError::unusable)?;
     }
     let folder = temporary_folder()?;

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Timing: simulation of the pipeline with memory and several agents in flight")]
 pub struct TimingArguments {
-    /// Latency of a fetch in cycles: a node, a leaf or a vector
+    /// Latency of a fetch in cycles: a node or a leaf
     #[arg(long, default_value_t = 100, value_parser = whole(0..=1_000_000u64), value_name = "M")]
     memory_latency: u64,
     /// Assumed clock frequency for rates, in MHz
