@@ -16,7 +16,7 @@ use raypath_embed::{self as embed, SceneGeometry, SceneInput, SceneInstance, Uni
 use raypath_render::Bounds;
 use raypath_rtl::Config;
 use raypath_rtl::report::picture;
-use raypath_search::GraphParameters;
+use raypath_search::{GraphParameters, UnitPlace};
 use raypath_traversal::blocks::NodeKind;
 use raypath_traversal::state::{NO_INSTANCE, status};
 use raypath_traversal::system::{CacheParameters, SystemParameters};
@@ -346,14 +346,18 @@ impl Unit {
     ///         memory, to which its vectors are rounded.
     ///     k: the most neighbours of a query, 1 to n and to the ``k`` of the unit.
     ///     metric: "euclidean", "dot" or "cosine". Dot products and cosines are ordered from the greatest.
-    ///     index: None, or "hnsw" to build a graph of an array.
+    ///     index: None, "hnsw" to build a graph of an array, or, for float32 and a unit with ``trees=1`` in ``search``, a
+    ///         tree: of "boxes" around vectors of 1 to 3 dimensions, of which those within ``radius`` are found; or of
+    ///         "keys" (d = 1), of which the first k in each range are found in ascending order: a query is the least and
+    ///         the greatest key, so queries have the shape (m, 2), and distances are the keys.
     ///     ef: the candidates that are kept in a graph, k to the ``m`` of the unit; 5 * k, if the unit has as many.
     ///     connections: the connections of a vector in the graph, 2 to 255; twice as many in its lowest layer.
     ///     ef_construction: the candidates that are kept during construction, 1 to 65,536.
     ///     seed: the seed of the graph.
     ///     scale: an integer of int8 stands for as many times this.
     ///     bound: only vectors are neighbours whose rank is at most this: the squared distance of the elements, minus
-    ///         the dot product, or the rank of the cosine.
+    ///         the dot product, or the rank of the cosine. Trees have their own.
+    ///     radius: the greatest distance of a neighbour in a tree of boxes.
     ///     latency: cycles of the memory, with which the jobs run through the cycle-exact model, too; None for the
     ///         functional model alone.
     ///
@@ -374,7 +378,7 @@ impl Unit {
     ///     >>> found.ids, found.distances
     ///     (array([[0, 2, 1]]), array([[0., 1., 5.]], dtype=float32))
     #[pyo3(signature = (base, queries, k = 10, *, metric = "euclidean", index = None, ef = None, connections = 16,
-        ef_construction = 200, seed = 1, scale = 1.0, bound = f32::INFINITY, latency = None))]
+        ef_construction = 200, seed = 1, scale = 1.0, bound = f32::INFINITY, radius = None, latency = None))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn search(
         &self,
@@ -389,15 +393,26 @@ impl Unit {
         seed: u64,
         scale: f32,
         bound: f32,
+        radius: Option<f32>,
         latency: Option<u64>,
     ) -> PyResult<UnitSearch> {
-        let graph = match index {
-            None => None,
-            Some("hnsw") => Some(GraphParameters { connections, ef_construction, seed }),
-            Some(other) => return Err(value_error(format!("index: found '{other}', expected None or 'hnsw'"))),
+        let (graph, tree) = match (index, radius) {
+            (None, None) => (None, None),
+            (Some("hnsw"), None) => (Some(GraphParameters { connections, ef_construction, seed }), None),
+            (Some("boxes"), Some(radius)) => (None, Some(UnitPlace::Boxes(radius))),
+            (Some("boxes"), None) => return Err(value_error("radius: found None, expected a number for boxes")),
+            (Some("keys"), None) => (None, Some(UnitPlace::Keys)),
+            (None | Some("hnsw" | "keys"), Some(radius)) => {
+                return Err(value_error(format!("radius: found {radius}, expected None without boxes")));
+            }
+            (Some(other), _) => {
+                let problem = format!("index: found '{other}', expected None, 'hnsw', 'boxes' or 'keys'");
+                return Err(value_error(problem));
+            }
         };
         let metric = metric.to_string();
-        unit_search::search(self, base, queries, unit_search::Options { k, metric, graph, ef, scale, bound, latency })
+        let options = unit_search::Options { k, metric, graph, tree, ef, scale, bound, latency };
+        unit_search::search(self, base, queries, options)
     }
 
     /// Writes SystemVerilog, assertions, the AXI4 wrapper and manifests, as ``raypath generate --unit`` does.

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use raypath_search::{
-    GraphParameters, Layer, MemoryLimit, Metric, SearchMemory, UnitJobs, UnitSpec, UnitTiming, Vectors,
+    GraphParameters, Layer, MemoryLimit, Metric, SearchMemory, UnitJobs, UnitPlace, UnitSpec, UnitTiming, Vectors,
 };
 use raypath_traversal::search::{Elements, Neighbour, SearchMetric};
 use std::path::PathBuf;
@@ -173,6 +173,7 @@ pub struct Options {
     pub k: usize,
     pub metric: String,
     pub graph: Option<GraphParameters>,
+    pub tree: Option<UnitPlace<'static>>,
     pub ef: Option<usize>,
     pub scale: f32,
     pub bound: f32,
@@ -192,7 +193,7 @@ pub fn search(
             "a unit without searches, expected one with them, as raypath.Unit(search=\"k=32,m=64\")",
         ));
     };
-    let Options { k, metric, graph, ef, scale, bound, latency } = options;
+    let Options { k, metric, graph, tree, ef, scale, bound, latency } = options;
     let metric: SearchMetric = metric.parse().map_err(value_error)?;
     let (elements, queries) = elements(queries, "queries", scale)?;
     let saved = base.cast::<SavedGraph>().ok();
@@ -210,7 +211,9 @@ pub fn search(
     };
     let built = match (&saved, graph) {
         (None, Some(graph)) => Some((graph, graph_metric(metric)?)),
-        (Some(_), Some(_)) => return Err(value_error("index: found \"hnsw\" for a graph, expected None")),
+        (Some(_), _) if graph.is_some() || tree.is_some() => {
+            return Err(value_error("index: found one for a graph, expected None"));
+        }
         _ => None,
     };
     let saved_layer = saved.as_ref().map(|saved| &saved.get().layer);
@@ -218,8 +221,9 @@ pub fn search(
     watched(py, |progress| {
         let layer = built.map(|(graph, metric)| Layer::build(base, metric, &graph, progress).map(|(layer, _)| layer));
         let layer = layer.transpose().map_err(value_error)?;
-        let graph = layer.as_ref().or(saved_layer).map(|layer| (layer, ef));
-        let spec = UnitSpec { base, queries: &queries, metric, elements, neighbours: k, bound, graph, unit: searches };
+        let graph = layer.as_ref().or(saved_layer).map(|layer| UnitPlace::Graph(layer, ef));
+        let place = tree.or(graph).unwrap_or(UnitPlace::All);
+        let spec = UnitSpec { base, queries: &queries, metric, elements, neighbours: k, bound, place, unit: searches };
         let jobs = UnitJobs::new(&spec).map_err(value_error)?;
         let found = jobs.search(progress).map_err(value_error)?;
         let time = |latency: u64| {

@@ -56,6 +56,37 @@ def test_unit(vectors: NDArray[np.float32], dtype: type[Any], metric: Literal["e
     assert again.timing["cycles"] >= again.beats == again.timing["beats"]
 
 
+def test_trees(vectors: NDArray[np.float32]) -> None:
+    """Points within a radius, and keys in ranges, against NumPy."""
+    unit = raypath.Unit(search="k=16,m=16,dimensions=16,trees=1")
+    points, queries = vectors[50:, :3].copy(), vectors[:50, :3].copy()
+    found = unit.search(points, queries, k=16, index="boxes", radius=3, latency=20)
+    distances = np.sqrt(((queries[:, None].astype(np.float64) - points) ** 2).sum(axis=2))
+    nearest = np.sort(np.where(distances <= 3, distances, np.nan), axis=1)[:, :16]
+    np.testing.assert_array_equal(found.distances, nearest.astype(np.float32))
+    near = np.where(found.ids < 0, np.nan, np.take_along_axis(distances, np.maximum(found.ids, 0), axis=1))
+    np.testing.assert_array_equal(near.astype(np.float32), found.distances)
+    assert found.evaluations < 50 * 950 / 4
+    keys = vectors[:, :1].copy()
+    ranges = np.array([[-9, -9], [-3.5, -2.5], [8, 20], [3, 2]], np.float32)
+    found = unit.search(keys, ranges, k=16, index="keys")
+    for row, ids, (low, high) in zip(found.distances, found.ids, ranges, strict=True):
+        expected = np.sort(keys[(keys >= low) & (keys <= high)])[:16]
+        np.testing.assert_array_equal(row[ids >= 0], expected)
+        np.testing.assert_array_equal(keys[ids[ids >= 0], 0], expected)
+    for problem, arguments in {
+        "radius: found None": {"index": "boxes"},
+        "radius: found 1, expected None": {"radius": 1.0},
+        "metric cosine in a tree of boxes": {"index": "boxes", "radius": 1.0, "metric": "cosine"},
+        "a radius of -1 in a tree": {"index": "boxes", "radius": -1.0},
+        "expected None, 'hnsw', 'boxes' or 'keys'": {"index": "tree"},
+    }.items():
+        with pytest.raises(ValueError, match=problem):
+            unit.search(points, queries, k=4, **arguments)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="a unit without trees"):
+        UNIT.search(points, queries, k=4, index="boxes", radius=1.0)
+
+
 def best_first(
     vectors: NDArray[np.float64], neighbours: list[list[int]], entry: int, query: NDArray[np.float64], m: int
 ) -> list[int]:

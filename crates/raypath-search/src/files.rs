@@ -36,7 +36,8 @@ impl Dataset {
     /// those of an `.hdf5` file; with other queries its truth is ignored.
     ///
     /// # Errors
-    /// A file that cannot be read or has wrong content ([`FileError`]); queries of another dimension than the base;
+    /// A file that cannot be read or has wrong content ([`FileError`]); queries of another dimension than the base, but
+    /// for ranges of keys, which have two dimensions and the keys one;
     /// truth for another number of queries; a list of vectors or neighbours that takes more memory than `limit`, as in
     /// [`read_vectors`].
     pub fn read(
@@ -63,7 +64,8 @@ impl Dataset {
             let expected = "a file of queries, or an .hdf5 file";
             return Err(FileError::content(base, "queries", "no file of queries", expected));
         };
-        if own_queries.dimensions() != dataset.base.dimensions() {
+        let are_ranges = (dataset.base.dimensions(), own_queries.dimensions()) == (1, 2);
+        if own_queries.dimensions() != dataset.base.dimensions() && !are_ranges {
             let expected = format!("{} as in {}", dataset.base.dimensions(), base.display());
             let file = queries.unwrap_or(base);
             return Err(FileError::content(file, "dimensions of the queries", own_queries.dimensions(), expected));

@@ -29,6 +29,7 @@ mod layer;
 mod metric;
 mod recall;
 mod results;
+mod tree;
 mod unit;
 mod vectors;
 
@@ -43,5 +44,5 @@ pub use metric::{Metric, ParseMetricError, cosine_distance, euclidean_distance};
 pub use raypath_tools::MemoryLimit;
 pub use recall::recall;
 pub use results::{Neighbour, SearchResults, Work};
-pub use unit::{ParseStoredAsError, SearchMemory, StoredAs, UnitJobs, UnitSearch, UnitSpec, UnitTiming};
+pub use unit::{ParseStoredAsError, SearchMemory, StoredAs, UnitJobs, UnitPlace, UnitSearch, UnitSpec, UnitTiming};
 pub use vectors::{DataError, MAX_DIMENSIONS, Neighbours, Vectors};

@@ -1,6 +1,7 @@
 //! Searches by jobs of the unit's model.
 
 use crate::exact::check;
+use crate::tree::{self, in_tree};
 use crate::{Layer, Metric, Neighbour, SearchError, SearchResults, Vectors, Work};
 use rayon::prelude::*;
 use raypath_model::Shape;
@@ -33,6 +34,20 @@ raypath_ops::names! {
     ParseStoredAsError, "elements `{0}`, expected binary32, binary16 or int8"
 }
 
+/// Where jobs look for neighbours.
+#[derive(Debug, Clone, Copy)]
+pub enum UnitPlace<'s> {
+    /// All vectors are scanned.
+    All,
+    /// A graph, with the candidates that are kept.
+    Graph(&'s Layer, usize),
+    /// A tree of boxes around vectors of 1 to 3 dimensions, for those whose Euclidean distance is at most this.
+    Boxes(f32),
+    /// A tree of keys, which are vectors of one dimension. A query has two: the least and the greatest key. Its
+    /// neighbours are the first that are not less than the former, in ascending order, and their distances are the keys.
+    Keys,
+}
+
 /// What the jobs of a search do.
 #[derive(Debug, Clone, Copy)]
 pub struct UnitSpec<'s> {
@@ -48,8 +63,8 @@ pub struct UnitSpec<'s> {
     pub neighbours: usize,
     /// The greatest rank of a neighbour (`docs/reference/searching.md`).
     pub bound: f32,
-    /// The graph that is searched, with the candidates that are kept; all vectors are scanned without one.
-    pub graph: Option<(&'s Layer, usize)>,
+    /// Where its neighbours are looked for.
+    pub place: UnitPlace<'s>,
     /// The unit's limits.
     pub unit: SearchParameters,
 }
@@ -130,6 +145,9 @@ pub struct UnitJobs {
     image: SearchImage,
     jobs: Vec<u32>,
     unit: SearchParameters,
+    /// In trees, the indices of vectors in the order of memory.
+    order: Option<Vec<u32>>,
+    are_keys: bool,
 }
 
 impl UnitJobs {
@@ -137,23 +155,47 @@ impl UnitJobs {
     ///
     /// # Errors
     /// Queries of another dimension; a graph of another number of vectors; a number of neighbours, candidates,
-    /// dimensions or bytes that a job of the unit does not have.
+    /// dimensions or bytes that a job of the unit does not have; a metric, elements or dimensions that a tree does not
+    /// have; a radius that is negative or not finite.
     pub fn new(spec: &UnitSpec<'_>) -> Result<Self, SearchError> {
-        let UnitSpec { base, queries, metric, elements, neighbours: count, bound, graph, unit } = *spec;
-        check(base.dimensions(), base.len(), queries.dimensions(), count)?;
+        let UnitSpec { base, queries, metric, elements, neighbours: count, bound, place, unit } = *spec;
+        let is_tree = matches!(place, UnitPlace::Boxes(_) | UnitPlace::Keys);
+        let of_query = if matches!(place, UnitPlace::Keys) { 2 } else { base.dimensions() };
+        if queries.dimensions() != of_query {
+            return Err(SearchError::Dimensions { base: of_query, queries: queries.dimensions() });
+        }
+        check(base.dimensions(), base.len(), base.dimensions(), count)?;
+        if is_tree {
+            in_tree(spec)?;
+        }
         in_job("neighbours", count, 1, unit.neighbours)?;
         in_job("dimensions", base.dimensions(), 1, unit.dimensions)?;
         let refused = |error: raypath_traversal::search::ImageError| SearchError::Parameter(error.to_string());
         let layout = VectorLayout { elements, dimensions: base.dimensions() as u32 };
         let mut image = SearchImage::new();
-        let mut placed = |vectors: &Vectors| {
-            let numbers: Vec<f32> = vectors.data().iter().map(|x| layout.elements.nearest(*x)).collect();
+        let sorted = tree::sorted(base, place);
+        let numbers = sorted.as_ref().map_or(base.data(), |(_, numbers)| numbers);
+        let mut placed = |layout: VectorLayout, numbers: &[f32]| {
+            let numbers: Vec<f32> = numbers.iter().map(|x| layout.elements.nearest(*x)).collect();
             image.vectors(layout, &numbers).map_err(refused)
         };
-        let (vectors, first_query) = (placed(base)?, placed(queries)?);
-        let place = match graph {
-            None => Place::Scan,
-            Some((layer, candidates)) => {
+        let vectors = placed(layout, numbers)?;
+        let first_query = match place {
+            UnitPlace::Keys => placed(VectorLayout { dimensions: 4, ..layout }, &tree::ranges(queries))?,
+            _ => placed(layout, queries.data())?,
+        };
+        let expansions = u32::MAX;
+        let place = match place {
+            UnitPlace::All => Place::Scan,
+            UnitPlace::Boxes(radius) => {
+                let nodes = image.boxes(&tree::points(base.dimensions(), numbers), radius).map_err(refused)?;
+                Place::Boxes { nodes, expansions }
+            }
+            UnitPlace::Keys => {
+                let nodes = image.keys(numbers).map_err(refused)?;
+                Place::Keys { nodes, len: count as u32, expansions }
+            }
+            UnitPlace::Graph(layer, candidates) => {
                 in_job("candidates", candidates, count, unit.candidates)?;
                 let (degree, lists) = (layer.degree(), layer.neighbours());
                 if lists.len() != base.len() {
@@ -163,11 +205,13 @@ impl UnitJobs {
                 let neighbours = image.lists(degree as u32, lists.iter().map(Vec::as_slice)).map_err(refused)?;
                 let entries = image.lists(1, [&[layer.entry()][..]].into_iter()).map_err(refused)?;
                 let (degree, candidates) = (degree as u32, candidates as u32);
-                Place::Graph { neighbours, degree, entries, entry_count: 1, candidates, expansions: u32::MAX }
+                Place::Graph { neighbours, degree, entries, entry_count: 1, candidates, expansions }
             }
         };
+        let are_keys = matches!(place, Place::Keys { .. });
         let job = SearchJob {
-            metric,
+            // The dot product of a key and -1 ranks it by its value.
+            metric: if are_keys { SearchMetric::Dot } else { metric },
             elements,
             dimensions: layout.dimensions,
             query: first_query,
@@ -175,15 +219,32 @@ impl UnitJobs {
             stride: layout.bytes(),
             count: base.len() as u32,
             k: count as u32,
-            bound,
+            bound: tree::bound(spec.place).unwrap_or(bound),
             place,
         };
         let mut jobs = Vec::with_capacity(queries.len());
         for number in 0..queries.len() as u32 {
             let query = first_query + number * layout.bytes();
-            jobs.push(image.job(&SearchJob { query, ..job }).map_err(refused)?);
+            let bound = if are_keys { queries.data()[2 * number as usize + 1] } else { job.bound };
+            jobs.push(image.job(&SearchJob { query, bound, ..job }).map_err(refused)?);
         }
-        Ok(Self { image, jobs, unit })
+        Ok(Self { image, jobs, unit, order: sorted.map(|(order, _)| order), are_keys })
+    }
+
+    /// The neighbours of a job that was done, by the indices of the base.
+    fn done(
+        &self,
+        status: SearchStatus,
+        neighbours: Vec<unit::Neighbour>,
+    ) -> Result<Vec<unit::Neighbour>, SearchError> {
+        if status != SearchStatus::Done {
+            return Err(SearchError::Parameter(format!("a job ended with {status:?}, expected neighbours")));
+        }
+        let of_base = |near: unit::Neighbour| unit::Neighbour {
+            index: self.order.as_ref().map_or(near.index, |order| order[near.index as usize]),
+            distance: if self.are_keys { 0.0 - near.distance } else { near.distance },
+        };
+        Ok(neighbours.into_iter().map(of_base).collect())
     }
 
     /// The unit's memory.
@@ -217,7 +278,7 @@ impl UnitJobs {
         let seconds = began.elapsed().as_secs_f64();
         let (mut rows, mut all) = (Vec::with_capacity(replies.len()), Vec::with_capacity(replies.len()));
         for SearchReply { status, neighbours, counts } in replies.into_iter().flatten() {
-            rows.push(done(status, neighbours)?);
+            rows.push(self.done(status, neighbours)?);
             all.push(counts);
         }
         let sum = |of: fn(&SearchCounts) -> u64| all.iter().map(of).sum::<u64>();
@@ -277,7 +338,7 @@ impl UnitJobs {
                 let row = &mut rows[id as usize];
                 row.extend(neighbour);
                 if is_last {
-                    if done(status, std::mem::take(row))? != found.rows[id as usize] {
+                    if self.done(status, std::mem::take(row))? != found.rows[id as usize] {
                         return Err(SearchError::Parameter(format!("query {id} differs between the unit's models")));
                     }
                     ended += 1;
@@ -293,12 +354,6 @@ impl UnitJobs {
         let memory_beats = sum(|counts| counts.blocks) * u64::from(beats);
         Ok(UnitTiming { jobs, cycles: now, beats: sum(|counts| counts.beats), memory_beats })
     }
-}
-
-/// The neighbours of a job that was done.
-fn done(status: SearchStatus, neighbours: Vec<unit::Neighbour>) -> Result<Vec<unit::Neighbour>, SearchError> {
-    let problem = || SearchError::Parameter(format!("a job ended with {status:?}, expected neighbours"));
-    if status == SearchStatus::Done { Ok(neighbours) } else { Err(problem()) }
 }
 
 fn in_job(name: &str, found: usize, least: usize, most: u32) -> Result<(), SearchError> {

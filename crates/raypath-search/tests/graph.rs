@@ -2,7 +2,8 @@
 
 use crate::common::{digits, vectors};
 use raypath_search::{
-    Exact, GraphParameters, Layer, Metric, Neighbours, SearchError, StoredAs, UnitJobs, UnitSpec, Vectors, recall,
+    Exact, GraphParameters, Layer, Metric, Neighbours, SearchError, StoredAs, UnitJobs, UnitPlace, UnitSpec, Vectors,
+    recall,
 };
 use raypath_traversal::search::SearchParameters;
 
@@ -22,7 +23,7 @@ fn search(base: &Vectors, queries: &Vectors, metric: Metric, layer: &Layer, [cou
         elements,
         neighbours: count,
         bound: f32::INFINITY,
-        graph: Some((layer, candidates)),
+        place: UnitPlace::Graph(layer, candidates),
         unit: SearchParameters::MOST,
     });
     let found = jobs.expect("jobs").search(&|_| true).expect("a search");

@@ -26,6 +26,7 @@ mod registers;
 mod scheduler;
 mod search;
 mod set_up;
+mod shared;
 mod step;
 mod structured;
 mod top;

@@ -22,7 +22,7 @@ pub const INSTANCE_KIND: u32 = 33;
 /// The jobs of an instance: the ray's origin, then its direction.
 pub const INSTANCE_JOBS: u32 = 2;
 /// The opcode of [`Transform`] in the unit's datapath.
-pub const TRANSFORM_OPCODE: u64 = 2;
+pub const TRANSFORM_OPCODE: u64 = 4;
 
 /// The bits of custom indices and offsets.
 const LOW: u32 = (1 << 24) - 1;

@@ -10,6 +10,7 @@ mod list;
 mod model;
 mod parameters;
 mod rank;
+mod tree;
 
 pub use distance::{Elements, VectorLayout, dot_product, squared};
 pub(crate) use distance::{Shape, sums};
@@ -18,6 +19,8 @@ pub use job::{JOB_BYTES, JobError, ParseSearchMetricError, Place, SearchJob, Sea
 pub use model::{Neighbour, SearchCounts, SearchReply, SearchStatus, search};
 pub use parameters::{ParseSearchesError, SearchParameters, Searches};
 pub(crate) use rank::{distance_of, key_of, rank_of, rank_of_key};
+pub(crate) use tree::{BOXES_OPCODE, BRANCHES, Branch, KEYS_OPCODE, NODE_BLOCKS, SEPARATORS};
+pub use tree::{NODE_BYTES, order_of_boxes};
 
 /// Bytes of a block, which the unit reads at once.
 pub const SEARCH_BLOCK: u32 = 64;

@@ -3,8 +3,8 @@
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_traversal::search::{
-    Elements, ImageError, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchParameters, SearchReply,
-    SearchStatus, VectorLayout, search,
+    Elements, ImageError, JOB_BYTES, Neighbour, Place, SearchImage, SearchJob, SearchMetric, SearchParameters,
+    SearchReply, SearchStatus, VectorLayout, order_of_boxes, search,
 };
 use std::collections::BTreeSet;
 
@@ -216,4 +216,126 @@ fn special_numbers_and_bad_jobs_have_a_stated_outcome() {
     }
     let int8 = VectorLayout { elements: Elements::Int8 { scale: 0.5 }, dimensions: 1 };
     assert_eq!(image.vectors(int8, &[0.5, 0.3]), Err(ImageError::Element(1)));
+}
+
+/// The records from the first one that is not below `low`, at most `len`, and of these not above `high`.
+fn in_range(keys: &[f32], low: f32, high: f32, len: usize) -> Vec<u32> {
+    let reached = (0..keys.len() as u32).filter(|index| keys[*index as usize] >= low).take(len);
+    reached.filter(|index| keys[*index as usize] <= high).collect()
+}
+
+fn tree_job(image: &mut SearchImage, dimensions: u32, numbers: &[f32], query: [f32; 4]) -> SearchJob {
+    let layout = |dimensions| VectorLayout { elements: Elements::Binary32, dimensions };
+    SearchJob {
+        metric: SearchMetric::Euclidean,
+        elements: Elements::Binary32,
+        dimensions,
+        query: image.vectors(layout(4), &query).expect("a query"),
+        vectors: image.vectors(layout(dimensions), numbers).expect("vectors"),
+        stride: JOB_BYTES,
+        count: numbers.len() as u32 / dimensions,
+        k: 64,
+        bound: f32::INFINITY,
+        place: Place::Scan,
+    }
+}
+
+#[test]
+fn keys_are_found_one_by_one_and_in_ranges() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    for count in [0, 1, 29, 30, 31, 60, 930, 931, 5000] {
+        let mut keys: Vec<f32> = (0..count).map(|_| f32::from(random.random_range(-700_i16..700)) * 0.5).collect();
+        keys.sort_by(f32::total_cmp);
+        for len in [0, 1, 17, 64] {
+            let low = f32::from(random.random_range(-760_i16..760)) * 0.5;
+            let high = if len == 17 { low } else { low + f32::from(random.random_range(-1_i8..9)) };
+            let mut image = SearchImage::new();
+            let nodes = image.keys(&keys).expect("a tree");
+            // The dot product of a key and -1 ranks it by its value.
+            let job = tree_job(&mut image, 1, &keys, [-1.0, 0.0, 0.0, low.next_down()]);
+            let place = Place::Keys { nodes, len, expansions: 100 };
+            let address =
+                image.job(&SearchJob { metric: SearchMetric::Dot, bound: high, place, ..job }).expect("a job");
+            let reply = search(&image, 0, address, &SearchParameters::MOST);
+            assert_eq!(reply.status, SearchStatus::Done);
+            assert_eq!(indices(&reply), in_range(&keys, low, high, len as usize), "{count} keys, {low} to {high}");
+            assert!(reply.neighbours.iter().all(|found| found.distance == -keys[found.index as usize]));
+            let levels = (1..).find(|&levels| 30 * 31_u64.pow(levels) >= count).expect("levels");
+            assert!(reply.counts.expansions <= levels.into() && reply.counts.distances <= len.into());
+        }
+    }
+    assert_eq!(SearchImage::new().keys(&[1.0, 2.0, 1.5]), Err(ImageError::Order(2)));
+    assert_eq!(SearchImage::new().keys(&[f32::NAN]), Err(ImageError::Order(0)));
+}
+
+#[test]
+fn points_within_a_radius_are_found_in_few_boxes() {
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    for count in [0, 1, 4, 5, 16, 17, 64, 65, 3000] {
+        let points: Vec<[f32; 3]> =
+            (0..count).map(|_| std::array::from_fn(|_| f32::from(random.random_range(-64_i8..64)))).collect();
+        let order = order_of_boxes(&points);
+        assert_eq!(order.iter().copied().collect::<BTreeSet<u32>>(), (0..count).collect());
+        let points: Vec<[f32; 3]> = order.into_iter().map(|index| points[index as usize]).collect();
+        for radius in [0_i32, 1, 9, 15] {
+            let query: [i32; 3] = match points.first() {
+                Some(point) if radius < 9 => point.map(|x| x as i32),
+                _ => std::array::from_fn(|_| random.random_range(-64..64)),
+            };
+            let squared =
+                |point: &[f32; 3]| -> i32 { (0..3).map(|axis| (point[axis] as i32 - query[axis]).pow(2)).sum() };
+            let near = |index: &u32| squared(&points[*index as usize]);
+            let mut expected: Vec<u32> = (0..count).filter(|index| near(index) <= radius * radius).collect();
+            expected.sort_by_key(|index| (near(index), *index));
+            let mut image = SearchImage::new();
+            let nodes = image.boxes(&points, radius as f32).expect("a tree");
+            let [x, y, z] = query.map(|x| x as f32);
+            // The fourth word is not read.
+            let job = tree_job(&mut image, 3, points.as_flattened(), [x, y, z, f32::NAN]);
+            let place = Place::Boxes { nodes, expansions: 10_000 };
+            let address = image.job(&SearchJob { bound: (radius * radius) as f32, place, ..job }).expect("a job");
+            let reply = search(&image, 0, address, &SearchParameters::MOST);
+            expected.truncate(64);
+            assert_eq!(indices(&reply), expected, "{count} points, radius {radius} of {query:?}");
+            assert!(count < 3000 || reply.counts.distances < 300, "{:?}", reply.counts);
+        }
+    }
+}
+
+#[test]
+fn damaged_trees_and_jobs_have_a_stated_outcome() {
+    let mut image = SearchImage::new();
+    let everywhere: Vec<f32> = (0..24).map(|word| [f32::NEG_INFINITY, f32::INFINITY][word % 6 / 3]).collect();
+    let mut words: Vec<u32> = everywhere.iter().map(|bound| bound.to_bits()).collect();
+    words.resize(32, 0);
+    // The root is its own child 0, to which a key goes that is none. Nodes of zeros are behind it.
+    let mut lists = vec![words];
+    lists.resize(8, vec![0; 32]);
+    let nodes = image.lists(32, lists.iter().map(Vec::as_slice)).expect("nodes");
+    let job = tree_job(&mut image, 3, &[0.0; 9], [1.0, 1.0, 1.0, f32::NAN]);
+    let run = |image: &mut SearchImage, place: Place, parameters: &SearchParameters, job: SearchJob| {
+        let address = image.job(&SearchJob { place, ..job }).expect("a job");
+        search(image, 0, address, parameters)
+    };
+    let most = SearchParameters::MOST;
+    let mut ends = |place| run(&mut image, place, &most, job).status;
+    assert_eq!(ends(Place::Boxes { nodes, expansions: 50 }), SearchStatus::Done, "expansions end a cycle");
+    assert_eq!(ends(Place::Boxes { nodes: 1 << 20, expansions: 1 }), SearchStatus::Memory);
+    assert_eq!(ends(Place::Keys { nodes, len: 4, expansions: 50 }), SearchStatus::Done);
+    for (place, changed) in [
+        (Place::Boxes { nodes: nodes + 4, expansions: 1 }, job),
+        (Place::Keys { nodes, len: 1 << 16, expansions: 1 }, job),
+        (Place::Boxes { nodes, expansions: 1 }, SearchJob { elements: Elements::Binary16, ..job }),
+        (Place::Boxes { nodes, expansions: 1 }, SearchJob { dimensions: 4, ..job }),
+    ] {
+        assert_eq!(run(&mut image, place, &most, changed).status, SearchStatus::Refused, "{place:?}");
+    }
+    let without = SearchParameters { trees: 0, ..most };
+    let place = Place::Boxes { nodes, expansions: 1 };
+    assert_eq!(run(&mut image, place, &without, job).status, SearchStatus::Refused);
+    // Each node's four children are everywhere, so that more branches wait than there are places.
+    let lists: Vec<Vec<u32>> = (0..200_u32).map(|node| [&lists[0][..30], &[4 * node + 1, 0]].concat()).collect();
+    let nodes = image.lists(32, lists.iter().map(Vec::as_slice)).expect("nodes");
+    let place = Place::Boxes { nodes, expansions: 11 };
+    assert_eq!(run(&mut image, place, &most, job).status, SearchStatus::Memory);
 }

@@ -10,14 +10,14 @@ use raypath_traversal::search::{SearchImage, SearchStatus, Searches, search};
 use raypath_traversal::traffic::{
     Behaviour, BlockScene, Environment, SearchBehaviour, SearchTraffic, random_ray, random_searches,
 };
-use raypath_traversal::{NetlistEngine, StepParameters, Unit, UnitModel, UnitNetlist, UnitParameters};
+use raypath_traversal::{NetlistEngine, StepParameters, Unit, UnitFeatures, UnitModel, UnitNetlist, UnitParameters};
 
 #[test]
 fn the_hardware_returns_what_the_model_returns_beside_rays() {
     let fast = Config::DEFAULT.control(Control::Credit).unit_latency(UnitLatency { sums: 5, products: 4 });
     let folded = Config::DEFAULT.interval(Interval::Four);
-    let more = "k=16,m=64,contexts=4,dimensions=128,blocks=32,remembered=64,turns=2";
-    let less = "k=12,m=65,contexts=3,dimensions=100,blocks=16,remembered=128,turns=1";
+    let more = "k=16,m=64,contexts=4,dimensions=128,blocks=32,remembered=64,turns=2,trees=1";
+    let less = "k=12,m=65,contexts=3,dimensions=100,blocks=16,remembered=128,turns=1,trees=1";
     for (seed, config, text, memory_width, stalls, errors) in [
         (1, Config::DEFAULT, more, 512, 0, 100),
         (2, fast, less, 512, 80, 0),
@@ -27,8 +27,12 @@ fn the_hardware_returns_what_the_model_returns_beside_rays() {
         let searches: Searches = text.parse().expect("searches");
         let search_parameters = searches.0.expect("searches");
         let mut image = SearchImage::new();
-        let jobs = random_searches(seed, 40, search_parameters, &mut image).expect("jobs");
-        let parameters = UnitParameters { contexts: 8, memory_width, search: searches, ..UnitParameters::default() };
+        let jobs = random_searches(seed, 60, search_parameters, &mut image).expect("jobs");
+        // Transforms of rays have an opcode beside those of searches.
+        let features = UnitFeatures { instances: stalls == 0, ..UnitFeatures::default() };
+        let step = StepParameters { features, ..StepParameters::default() };
+        let parameters =
+            UnitParameters { contexts: 8, memory_width, step, search: searches, ..UnitParameters::default() };
         let unit = UnitNetlist::new(config, parameters).expect("a unit");
         let mut engine = NetlistEngine::new(&unit).expect("an engine");
         engine.restart_randomly(seed);
@@ -59,7 +63,7 @@ fn the_hardware_returns_what_the_model_returns_beside_rays() {
             assert_eq!(*status, expected.status, "job {number} of seed {seed}");
             assert_eq!(*neighbours, expected.neighbours, "job {number} of seed {seed}");
         }
-        let mut functional = Unit::new(Rules::Paper, StepParameters::default());
+        let mut functional = Unit::new(Rules::Paper, step);
         let replies = rays.iter().zip(environment.replies.values());
         assert!(replies.into_iter().all(|(ray, reply)| functional.trace(&scene.0[..], ray) == *reply));
     }
@@ -67,7 +71,7 @@ fn the_hardware_returns_what_the_model_returns_beside_rays() {
 
 #[test]
 fn the_text_of_a_unit_with_searches_has_no_report_of_the_linters() {
-    for text in ["k=32,m=64", "k=1,m=9,contexts=3,dimensions=100,blocks=16,remembered=64,turns=3"] {
+    for text in ["k=32,m=64", "k=1,m=9,contexts=3,dimensions=100,blocks=16,remembered=64,turns=3,trees=1"] {
         let search = text.parse().expect("searches");
         let parameters = UnitParameters { search, contexts: 16, memory_width: 256, ..UnitParameters::default() };
         let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");

@@ -104,6 +104,7 @@ const fn searching((control, mut parameters): Setting) -> Setting {
         blocks: 16,
         remembered: 64,
         turns: 2,
+        trees: 1,
     }));
     (control, parameters)
 }

@@ -1021,13 +1021,14 @@ class Unit:
         k: int = 10,
         *,
         metric: Literal["euclidean", "dot", "cosine"] = "euclidean",
-        index: Literal["hnsw"] | None = None,
+        index: Literal["hnsw", "boxes", "keys"] | None = None,
         ef: int | None = None,
         connections: int = 16,
         ef_construction: int = 200,
         seed: int = 1,
         scale: float = 1.0,
         bound: float = ...,
+        radius: float | None = None,
         latency: int | None = None,
     ) -> UnitSearch:
         """Finds the nearest vectors of each query by jobs of the unit, which needs ``search`` among its parameters, as
@@ -1042,14 +1043,18 @@ class Unit:
                 memory, to which its vectors are rounded.
             k: the most neighbours of a query, 1 to n and to the ``k`` of the unit.
             metric: "euclidean", "dot" or "cosine". Dot products and cosines are ordered from the greatest.
-            index: None, or "hnsw" to build a graph of an array.
+            index: None, "hnsw" to build a graph of an array, or, for float32 and a unit with ``trees=1`` in ``search``, a
+                tree: of "boxes" around vectors of 1 to 3 dimensions, of which those within ``radius`` are found; or of
+                "keys" (d = 1), of which the first k in each range are found in ascending order: a query is the least and
+                the greatest key, so queries have the shape (m, 2), and distances are the keys.
             ef: the candidates that are kept in a graph, k to the ``m`` of the unit; 5 * k, if the unit has as many.
             connections: the connections of a vector in the graph, 2 to 255; twice as many in its lowest layer.
             ef_construction: the candidates that are kept during construction, 1 to 65,536.
             seed: the seed of the graph.
             scale: an integer of int8 stands for as many times this.
             bound: only vectors are neighbours whose rank is at most this: the squared distance of the elements, minus
-                the dot product, or the rank of the cosine.
+                the dot product, or the rank of the cosine. Trees have their own.
+            radius: the greatest distance of a neighbour in a tree of boxes.
             latency: cycles of the memory, with which the jobs run through the cycle-exact model, too; None for the
                 functional model alone.
 

@@ -2,7 +2,7 @@
 
 use super::common::{Written, assert_error};
 use flate2::read::GzDecoder;
-use raypath_search::{Exact, Metric, Neighbour, SavedGraph, UnitJobs, UnitSpec, Vectors, read_graph};
+use raypath_search::{Exact, Metric, Neighbour, SavedGraph, UnitJobs, UnitPlace, UnitSpec, Vectors, read_graph};
 use raypath_tools::MemoryLimit;
 use raypath_traversal::search::{Elements, SearchMetric, SearchParameters};
 use std::io::Read;
@@ -43,7 +43,7 @@ fn the_unit_searches_a_saved_graph() {
             elements: Elements::Binary32,
             neighbours: 5,
             bound: f32::INFINITY,
-            graph: Some((&layer, 64)),
+            place: UnitPlace::Graph(&layer, 64),
             unit: SearchParameters::MOST,
         };
         let found = UnitJobs::new(&spec).expect("jobs").search(&|_| true).expect("a search");

@@ -110,6 +110,7 @@ impl State for Kind {
                 Self::Half,
                 Self::Beat,
                 Self::LastBeat,
+                Self::Test,
             ],
         );
     }
@@ -368,14 +369,15 @@ pub enum Kind {
     Origin,
     Direction,
     Half,
-    /// A beat of a vector, and its last.
+    /// A beat of a vector, its last, and a node of a tree of searches.
     Beat,
     LastBeat,
+    Test,
 }
 
 impl Kind {
     /// The number of kinds.
-    pub const COUNT: usize = 8;
+    pub const COUNT: usize = 9;
 
     /// The opcode in the datapath.
     #[inline]
@@ -384,8 +386,8 @@ impl Kind {
             Self::Node | Self::Half => JobKind::Quadbox.opcode(),
             Self::Triangle | Self::LastTriangle => JobKind::Triangle.opcode(),
             Self::Origin | Self::Direction => TRANSFORM_OPCODE,
-            // An angular beat has another one, which only its offer tells.
-            Self::Beat | Self::LastBeat => JobKind::Euclidean.opcode(),
+            // An angular beat or a node has another one, which only its offer tells.
+            Self::Beat | Self::LastBeat | Self::Test => JobKind::Euclidean.opcode(),
         }
     }
 
@@ -424,6 +426,7 @@ impl Kind {
             | 1 << Self::Origin as u32
             | 1 << Self::Beat as u32
             | 1 << Self::LastBeat as u32
+            | 1 << Self::Test as u32
             | u32::from(takes_triangle) << Self::Triangle as u32
             | u32::from(takes_triangle) << Self::LastTriangle as u32
             | u32::from(takes_direction) << Self::Direction as u32;

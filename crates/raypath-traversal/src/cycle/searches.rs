@@ -12,7 +12,7 @@ mod turns;
 
 use crate::engine::{SearchInputs, SearchOutputs};
 use crate::hardware::{Burst, SearchPorts};
-use crate::search::SearchParameters;
+use crate::search::{BOXES_OPCODE, Branch, KEYS_OPCODE, SearchParameters};
 use beats::Beats;
 use fetch::Fetch;
 use list::{List, ListEdge};
@@ -33,6 +33,8 @@ pub struct Searches {
     filter: Filter,
     list: List,
     results: Results,
+    /// The nodes of trees in the datapath.
+    nodes: VecDeque<Visited>,
     /// Beats before the job of a ray that waits, of so many.
     before: u32,
     per_job: u32,
@@ -44,25 +46,33 @@ pub struct Searches {
 /// A beat that is offered to the datapath.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Beat {
+    /// A node of a tree in place of a beat, and whether it is one of keys.
+    pub node: Option<bool>,
     pub is_angular: bool,
     pub is_last: bool,
 }
 
 impl Beat {
     pub fn opcode(self) -> u64 {
-        if self.is_angular { JobKind::Angular.opcode() } else { JobKind::Euclidean.opcode() }
+        match self.node {
+            Some(true) => KEYS_OPCODE,
+            Some(false) => BOXES_OPCODE,
+            None if self.is_angular => JobKind::Angular.opcode(),
+            None => JobKind::Euclidean.opcode(),
+        }
     }
 }
 
 state! {
-    Searches { turns, fetch, beats, ranks, filter, list, results, before }
+    Searches { turns, fetch, beats, ranks, filter, list, results, nodes, before }
     Item { burst, context, index, key, failed }
+    Visited { context, branch, is_last }
 }
 
 impl State for Burst {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        use Burst::{Drain, Expand, Job, List, Norm, Query, Vector};
-        words.one_of(self, &[Job, Query, Norm, List, Vector, Expand, Drain]);
+        use Burst::{Drain, Expand, Job, List, Node, Norm, Query, Vector};
+        words.one_of(self, &[Job, Query, Norm, List, Vector, Expand, Drain, Node]);
     }
 }
 
@@ -76,6 +86,14 @@ struct Item {
     failed: bool,
 }
 
+/// Where a search goes from a node, and whether that is the last of its branch.
+#[derive(Debug, Clone, Copy, Default)]
+struct Visited {
+    context: u8,
+    branch: Branch,
+    is_last: bool,
+}
+
 impl Searches {
     pub fn new(parameters: SearchParameters, ports: SearchPorts) -> Self {
         Self {
@@ -86,6 +104,7 @@ impl Searches {
             filter: Filter::new(parameters),
             list: List::new(parameters),
             results: Results::new(parameters),
+            nodes: VecDeque::new(),
             before: 0,
             per_job: parameters.turns,
             id_mask: u64::MAX >> (64 - ports.id_width),
@@ -112,14 +131,22 @@ impl Searches {
     }
 
     /// The clock edge. The datapath takes what is next, if `takes`, and the outcome of the last beat of a vector leaves
-    /// it, if `has_outcome`.
-    pub fn cycle(&mut self, inputs: &SearchInputs<'_>, is_ray_offered: bool, takes: bool, has_outcome: bool) {
+    /// it, if `has_outcome`; or that of a node, if `is_tested`.
+    pub fn cycle(
+        &mut self,
+        inputs: &SearchInputs<'_>,
+        is_ray_offered: bool,
+        takes: bool,
+        [has_outcome, is_tested]: [bool; 2],
+    ) {
         let is_beat = self.next_beat(is_ray_offered).is_some();
         if takes && (is_ray_offered || self.beat().is_some()) {
             self.before = if is_beat && is_ray_offered { self.before + 1 } else { 0 };
         }
         let leaves = is_beat && takes;
         // What each part had in registers.
+        let visited = if is_tested { self.nodes.pop_front() } else { None };
+        let node = self.beats.node().filter(|_| leaves);
         let has_failed = self.turns.running().is_some_and(|context| self.beats.has_failed(context));
         let (can_send, ranked, kept) = (self.ranks.can_send(), self.ranks.first(), self.filter.next());
         let (job, list) = (self.beats.job(), self.beats.list());
@@ -133,8 +160,8 @@ impl Searches {
         let release = self.results.edge(found, inputs.result_ready);
         let enters = inputs.job.map(|(id, base, address)| (id & self.id_mask, base & self.base_mask, address));
         let burst_ready = self.fetch.is_ready(inputs.request_ready);
-        let events = Events { enters, release, load, list, expands, has_failed, burst_ready };
-        let TurnsEdge { burst, entered } = self.turns.edge(&events);
+        let events = Events { enters, release, load, list, expands, visited, has_failed, burst_ready };
+        let TurnsEdge { burst, entered, overflowed } = self.turns.edge(&events);
         if let (Some(context), Some((id, ..))) = (entered, enters) {
             self.results.enter(context, id);
         }
@@ -153,8 +180,12 @@ impl Searches {
         if let Some(item) = kept {
             self.list.take(item);
         }
+        self.nodes.extend(node);
         let head = self.fetch.edge(burst, inputs.request_ready, inputs.response.as_ref(), take);
         self.beats.edge(head, leaves, ended);
+        if let Some(context) = overflowed {
+            self.beats.fail(context);
+        }
     }
 }
 

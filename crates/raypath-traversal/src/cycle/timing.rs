@@ -483,7 +483,8 @@ impl Timing {
         let leaves = has_ready & takes & beat.is_none();
         self.flow.cycle((takes & (has_ready | beat.is_some())).then_some(opcode), outcome_leaves);
         if let Some(searches) = &mut self.searches {
-            searches.cycle(search, has_ready, takes, outcome_leaves & (outcome.kind == Kind::LastBeat));
+            let of_search = [Kind::LastBeat, Kind::Test].map(|kind| outcome_leaves & (outcome.kind == kind));
+            searches.cycle(search, has_ready, takes, of_search);
         }
         self.jobs.pop_if(outcome_leaves);
         self.queues.push_if(TESTED, outcome.context, outcome_leaves & (outcome.kind == Kind::Node));
@@ -492,7 +493,11 @@ impl Timing {
         self.has_operands |= divides;
         self.jobs.push_if(ready, leaves);
         if let Some(beat) = beat.filter(|_| takes) {
-            let kind = if beat.is_last { Kind::LastBeat } else { Kind::Beat };
+            let kind = match beat {
+                Beat { node: Some(_), .. } => Kind::Test,
+                Beat { is_last, .. } if is_last => Kind::LastBeat,
+                _ => Kind::Beat,
+            };
             self.jobs.push_if(Job { context: 0, kind }, true);
         }
         self.job_stalls += u64::from(has_ready & !leaves);

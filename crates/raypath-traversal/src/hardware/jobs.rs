@@ -30,7 +30,8 @@ impl<'m> Jobs<'m> {
         let mut matrix = 0..;
         let boxes = ports_of::<RayBoxInput<Binary32>>().into_iter();
         let triangles = ports_of::<RayTriangleInput<Binary32>>().into_iter();
-        let transform = ports_of::<TransformInput<Binary32>>().into_iter();
+        let has_instances = datapath.inputs().iter().any(|port| port.name.starts_with("matrix_"));
+        let transform = ports_of::<TransformInput<Binary32>>().into_iter().filter(|_| has_instances);
         for port in boxes.chain(triangles).chain(transform) {
             let name = port.name;
             if found.iter().any(|(known, _)| *known == name) || datapath.port_width(&format!("{name}_i")).is_none() {
@@ -78,7 +79,7 @@ impl<'m> Jobs<'m> {
 
 /// The place in memory of a bound of the boxes of a block. In the operation's input, the bounds of a slab follow each
 /// other; in memory the minima come first.
-fn box_word(place: usize) -> usize {
+pub fn box_word(place: usize) -> usize {
     let (child, bound) = (place / BOX_WORDS, place % BOX_WORDS);
     let (axis, is_max) = (bound / 2, bound % 2);
     BOX_WORDS * child + 3 * is_max + axis

@@ -7,6 +7,7 @@
 //! depend on neither the memory nor other searches.
 
 mod beats;
+mod branches;
 mod bursts;
 mod engine;
 mod fetch;

@@ -14,16 +14,19 @@ use super::parametric::parametric;
 use super::queue::{bits, queue};
 use super::rays::rays;
 use super::search::search_engine;
+use super::shared::{beat_inputs, node_inputs, whose_turn};
 use super::walk::walk;
 use crate::blocks::{NodeKind, VERTEX_WORDS};
 use crate::engine::COUNTS;
 use crate::error::UnitError;
 use crate::instance::{TRANSFORM_OPCODE, Transform};
 use crate::netlist::wires;
-use crate::search::SearchParameters;
+use crate::search::{BOXES_OPCODE, KEYS_OPCODE, SearchParameters};
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Loop, Shape};
+use raypath_ops::operations::key_compare::KeyCompare;
+use raypath_ops::operations::point_in_box::PointInBox;
 use raypath_ops::{Culling, EdgeRule, JobKind};
 use raypath_rtl::{Config, DatapathNetlist, Features, Lanes, Operations, PARAMETER_GROUPS, Parameter};
 use std::sync::Arc;
@@ -127,6 +130,9 @@ fn datapath(config: Config, parameters: UnitParameters) -> Result<DatapathNetlis
     let mut operations = Operations::of(config)?;
     if parameters.step.features.instances {
         operations = operations.with(&Transform, TRANSFORM_OPCODE)?;
+    }
+    if parameters.search.0.is_some_and(|search| search.trees > 0) {
+        operations = operations.with(&KeyCompare, KEYS_OPCODE)?.with(&PointInBox, BOXES_OPCODE)?;
     }
     Ok(DatapathNetlist::build(operations, config.microarchitecture)?)
 }
@@ -355,14 +361,18 @@ impl<'m> Top<'m> {
         self.m.section("Searches");
         let engine = search_engine(parameters, self.parameters.search_ports())?;
         let ready = self.m.forward("beat_ready", 1);
-        let outcome = [("valid", 1), ("squares", 32), ("dot", 32), ("norm", 32)]
-            .map(|(name, width)| (name, self.m.forward(&format!("outcome_{name}"), width)));
+        let of_node = [("tested", 1), ("inside", 4), ("child", 6)].into_iter().filter(|_| parameters.trees > 0);
+        let outcome: Vec<_> = [("valid", 1), ("squares", 32), ("dot", 32), ("norm", 32)]
+            .into_iter()
+            .chain(of_node)
+            .map(|(name, width)| (name, self.m.forward(&format!("outcome_{name}"), width)))
+            .collect();
         let engine = Inputs::default()
             .ports(ports.search.iter().cloned())
             .port("beat_ready", ready.wire())
             .ports(outcome.iter().map(|(name, forward)| named(&format!("outcome_{name}"), forward.wire())))
             .place(self.m, "u_search", &engine);
-        Ok(Some(SearchParts { engine, parameters, ready, outcome: outcome.to_vec() }))
+        Ok(Some(SearchParts { engine, parameters, ready, outcome }))
     }
 
     fn datapath(&self, datapath: &Arc<Module>, jobs: &Jobs<'m>, searches: Option<&SearchParts<'m>>) -> Outcome<'m> {
@@ -383,14 +393,22 @@ impl<'m> Top<'m> {
         let ready = m.forward("outcome_ready", 1);
         let takes = m.forward("takes_job", 1);
         let mut beat = Vec::new();
+        let mut inputs = jobs.inputs(m, datapath);
         let (mut input_valid, mut takes_ray) = (offer, takes.wire());
         let [euclidean, angular] = [(JobKind::Euclidean, "OpEuclidean"), (JobKind::Angular, "OpAngular")];
+        let of_nodes = || [opcode(KEYS_OPCODE, "OpKeys"), opcode(BOXES_OPCODE, "OpBoxes")];
         let of_beats = || [euclidean, angular].map(|(kind, name)| opcode(kind.opcode(), name));
         if let Some(SearchParts { engine, parameters, ready, .. }) = searches {
             let is_beat = whose_turn(m, parameters.turns, [offer, engine.port("beat_valid")], takes.wire());
             let [euclidean, angular] = of_beats();
             input_valid = offer | engine.port("beat_valid");
-            job_opcode = is_beat.mux(engine.port("beat_is_angular").mux(angular, euclidean), job_opcode);
+            let mut of_beat = engine.port("beat_is_angular").mux(angular, euclidean);
+            if parameters.trees > 0 {
+                let [keys, boxes] = of_nodes();
+                of_beat = engine.port("beat_is_node").mux(engine.port("beat_is_keys").mux(keys, boxes), of_beat);
+                node_inputs(engine, is_beat, &mut inputs);
+            }
+            job_opcode = is_beat.mux(of_beat, job_opcode);
             ready.drive(takes.wire() & is_beat);
             takes_ray = (takes.wire() & !is_beat).named("takes_ray");
             beat = beat_inputs(engine);
@@ -400,19 +418,27 @@ impl<'m> Top<'m> {
             .port("output_ready", ready.wire())
             .port("opcode", job_opcode.named("job_opcode"))
             .port("tag", tag)
-            .ports(jobs.inputs(m, datapath))
+            .ports(inputs)
             .ports(beat)
             .place(m, "u_datapath", datapath);
         takes.drive(ports.port("input_ready"));
         self.back.job_ready.drive(takes_ray);
-        let is_beat = searches.map(|SearchParts { outcome, .. }| {
+        let is_beat = searches.map(|SearchParts { outcome, parameters, .. }| {
             let is = of_beats().map(|code| ports.port("opcode").equals(code));
             let is_beat = (is[0] | is[1]).named("is_beat");
             let sums = ["euclidean_accumulator", "angular_dot_product", "angular_norm"].map(|name| ports.port(name));
             let is_last = ports.port("euclidean_reset_accum") | ports.port("angular_reset_accum");
-            let back = [ports.port("output_valid") & is_beat & is_last].into_iter().chain(sums);
+            let mut back = vec![ports.port("output_valid") & is_beat & is_last];
+            back.extend(sums);
+            let mut is_of_search = is_beat;
+            if parameters.trees > 0 {
+                let is = of_nodes().map(|code| ports.port("opcode").equals(code));
+                let is_node = (is[0] | is[1]).named("is_node_of_tree");
+                is_of_search = is_beat | is_node;
+                back.extend([ports.port("output_valid") & is_node, ports.port("is_inside"), ports.port("child_index")]);
+            }
             outcome.iter().zip(back).for_each(|((_, forward), wire)| forward.drive(wire));
-            is_beat
+            is_of_search
         });
         let is_boxes = ports.port("opcode").equals(boxes).named("is_boxes");
         let tag = ports.port("tag");
@@ -659,32 +685,4 @@ impl<'m> Top<'m> {
             m.output("vec_rsp_ready_o", m.constant(1, 1));
         }
     }
-}
-
-/// Whether a beat is next, and not the job of a ray, if one or both are offered: so many beats, and then a job of a ray,
-/// if both wait.
-fn whose_turn<'m>(m: &'m Builder, turns: u32, [ray, beat]: [Wire<'m>; 2], takes: Wire<'m>) -> Wire<'m> {
-    let before = m.register("beats_before_q", bits(turns + 1)).reset_to(0);
-    before.wire().comment("the beats that went before the job of a ray that waits");
-    let is_turn_of_ray = before.wire().is(turns.into());
-    let is_beat = (beat & !(ray & is_turn_of_ray)).named("is_beat_next");
-    let one_more = before.wire() + m.constant(before.wire().width(), 1);
-    let after = (is_beat & ray).mux(one_more, m.constant(before.wire().width(), 0));
-    before.next_when(takes & (ray | beat), after);
-    is_beat
-}
-
-/// The inputs of the datapath that beats have.
-fn beat_inputs<'m>(engine: &Outputs<'m>) -> Named<'m> {
-    let lanes = engine.under("beat_mask").len();
-    let mask: Vec<Wire<'m>> = (0..lanes).rev().map(|lane| engine.port(&format!("beat_mask_{lane}"))).collect();
-    let mut inputs = Vec::new();
-    for stem in ["a", "b"] {
-        let lane =
-            |lane: usize| named(&format!("euclidean_{stem}_{lane}"), engine.port(&format!("beat_{stem}_{lane}")));
-        inputs.extend((0..lanes).map(lane));
-    }
-    inputs.push(named("euclidean_mask", mask[0].builder().concat(&mask)));
-    inputs.push(named("euclidean_reset_accum", engine.port("beat_is_last")));
-    inputs
 }

@@ -88,6 +88,8 @@ pub struct Shape {
     pub elements: Elements,
     /// Elements in the last block of a vector.
     pub tail: u32,
+    /// A tree is one of keys.
+    pub is_keys: bool,
 }
 
 impl Shape {
@@ -95,7 +97,7 @@ impl Shape {
     pub fn of_words(words: &[u32; 16]) -> Self {
         let elements = Elements::from_code((words[0] >> 8 & 3).min(2), 1.0).unwrap_or(Elements::Binary32);
         let tail = words[1].wrapping_sub(1) % elements.per_block() + 1;
-        Self { metric: SearchMetric::of_words(words), elements, tail }
+        Self { metric: SearchMetric::of_words(words), elements, tail, is_keys: words[0] & 1 == 0 }
     }
 
     /// The lanes of a beat.

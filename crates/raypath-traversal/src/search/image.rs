@@ -21,6 +21,9 @@ pub enum ImageError {
     /// A number that the elements do not have.
     #[error("number {0} of the vectors is not one of their elements: expected a rounded or a scaled one")]
     Element(usize),
+    /// A key that is none, or less than the one before.
+    #[error("key {0} is NaN or less than the one before, expected keys in ascending order")]
+    Order(usize),
 }
 
 impl SearchImage {
@@ -64,9 +67,7 @@ impl SearchImage {
         let address = self.reserve(lists.len() as u64 * u64::from(stride))?;
         for (list, place) in lists.zip(self.bytes[address as usize..].chunks_mut(stride.max(1) as usize)) {
             let words = list.iter().copied().chain(std::iter::repeat(u32::MAX));
-            for (word, bytes) in words.zip(place.chunks_exact_mut(4)) {
-                bytes.copy_from_slice(&word.to_le_bytes());
-            }
+            words.zip(place.chunks_exact_mut(4)).for_each(|(word, bytes)| bytes.copy_from_slice(&word.to_le_bytes()));
         }
         Ok(address)
     }
@@ -77,14 +78,19 @@ impl SearchImage {
     /// More than 4 GiB.
     pub fn job(&mut self, job: &SearchJob) -> Result<u32, ImageError> {
         let address = self.reserve(JOB_BYTES.into())?;
-        for (word, bytes) in job.words().into_iter().zip(self.bytes[address as usize..].chunks_exact_mut(4)) {
-            bytes.copy_from_slice(&word.to_le_bytes());
-        }
+        self.write(address, &job.words());
         Ok(address)
     }
 
+    /// Writes words where there are bytes.
+    pub(super) fn write(&mut self, address: u32, words: &[u32]) {
+        for (word, bytes) in words.iter().zip(self.bytes[address as usize..].chunks_exact_mut(4)) {
+            bytes.copy_from_slice(&word.to_le_bytes());
+        }
+    }
+
     /// Adds bytes and returns the address of the first.
-    fn reserve(&mut self, bytes: u64) -> Result<u32, ImageError> {
+    pub(super) fn reserve(&mut self, bytes: u64) -> Result<u32, ImageError> {
         let address = self.bytes.len() as u64;
         let end = address + bytes;
         let (Ok(first), true) = (u32::try_from(address), end <= 1 << 32) else { return Err(ImageError::Size(end)) };

@@ -72,6 +72,23 @@ pub enum Place {
         /// The most candidates whose neighbours are read.
         expansions: u32,
     },
+    /// Those of a range of keys in a tree of [`NODE_BYTES`](super::NODE_BYTES) a node: `len` vectors, from the first of
+    /// those behind all keys of leaves that are at most the key, which is word 3 of the query's block.
+    Keys {
+        /// The address of the root.
+        nodes: u32,
+        /// The vectors that are compared, 0 to 65,535.
+        len: u32,
+        /// The most nodes whose children are read.
+        expansions: u32,
+    },
+    /// Those of the leaves of a tree of boxes in which the query is: its first three elements, 0 where it has fewer.
+    Boxes {
+        /// The address of the root.
+        nodes: u32,
+        /// The most nodes whose children are read.
+        expansions: u32,
+    },
 }
 
 /// A word of a job that the unit refuses.
@@ -106,10 +123,10 @@ impl SearchJob {
     ///
     /// | word | bits | contents |
     /// |---|---|---|
-    /// | 0 | 3:0, 7:4, 11:8, 31:16 | place (0 scan, 1 gather, 2 graph), metric, elements, `k` |
+    /// | 0 | 3:0, 7:4, 11:8, 31:16 | place (0 scan, 1 gather, 2 graph, 4 keys, 5 boxes), metric, elements, `k` |
     /// | 1 | 15:0, 31:16 | `dimensions`, `candidates` |
     /// | 2 to 5 | | `query`, `vectors`, `stride`, `count` |
-    /// | 6, 7 | | `list` or `neighbours`, `len` or `degree` |
+    /// | 6, 7 | | `list`, `neighbours` or `nodes`; `len` or `degree` |
     /// | 8 to 10 | | `entries`, `entry_count`, `expansions` |
     /// | 11, 12 | | `bound` and the scale of integers, which is 1 for other elements, in binary32 |
     /// | 13 to 15 | | 0 |
@@ -120,6 +137,8 @@ impl SearchJob {
             Place::Graph { neighbours, degree, entries, entry_count, candidates, expansions } => {
                 (2, neighbours, degree, [entries, entry_count, candidates, expansions])
             }
+            Place::Keys { nodes, len, expansions } => (4, nodes, len, [0, 0, 0, expansions]),
+            Place::Boxes { nodes, expansions } => (5, nodes, 0, [0, 0, 0, expansions]),
         };
         let metric = METRICS.iter().position(|metric| *metric == self.metric).unwrap_or(0) as u32;
         let [entries, entry_count, candidates, expansions] = graph;
@@ -152,7 +171,9 @@ impl SearchJob {
         let part = |word: usize, low: u32, bits: u32| words[word] >> low & ((1 << bits) - 1);
         let aligned = |word: usize| is(word, words[word].is_multiple_of(JOB_BYTES), "an address of whole blocks");
         let (place, k) = (part(0, 0, 4), words[0] >> 16);
-        is(0, place <= 2 && part(0, 12, 4) == 0, "a place of 0 to 2 and zeros in bits 15 to 12")?;
+        let is_tree = place & 4 != 0;
+        let is_place = matches!(place, 0..=2) || (is_tree && place <= 5 && parameters.trees > 0);
+        is(0, is_place && part(0, 12, 4) == 0, "a place that the unit has and zeros in bits 15 to 12")?;
         is(0, (1..=parameters.neighbours).contains(&k), "1 to the unit's number of neighbours in bits 31 to 16")?;
         let metric = METRICS.get(part(0, 4, 4) as usize).copied();
         let metric = metric.ok_or(refused(0, "a metric of 0 to 2 in bits 7 to 4"))?;
@@ -160,6 +181,10 @@ impl SearchJob {
         let elements = elements.ok_or(refused(0, "elements of 0 to 2 in bits 11 to 8"))?;
         let (dimensions, candidates) = (part(1, 0, 16), words[1] >> 16);
         is(1, (1..=parameters.dimensions).contains(&dimensions), "1 to the unit's dimensions in bits 15 to 0")?;
+        if is_tree {
+            is(0, elements == Elements::Binary32, "elements in binary32 for a tree, 0 in bits 11 to 8")?;
+            is(1, dimensions <= 3, "1 to 3 dimensions for a tree in bits 15 to 0")?;
+        }
         (2..4).try_for_each(aligned)?;
         let least = VectorLayout { elements, dimensions }.bytes();
         is(4, words[4].is_multiple_of(JOB_BYTES) && words[4] >= least, "a multiple of 64 that holds a vector")?;
@@ -168,6 +193,13 @@ impl SearchJob {
             1 => {
                 aligned(6)?;
                 Place::Gather { list: words[6], len: words[7] }
+            }
+            4.. => {
+                aligned(6)?;
+                let (nodes, expansions) = (words[6], words[10]);
+                is(7, words[7] <= if place == 4 { u16::MAX.into() } else { 0 }, "0 to 65535 vectors, and 0 for boxes")?;
+                let keys = Place::Keys { nodes, len: words[7], expansions };
+                if place == 4 { keys } else { Place::Boxes { nodes, expansions } }
             }
             _ => {
                 aligned(6)?;

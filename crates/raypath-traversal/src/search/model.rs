@@ -5,6 +5,7 @@ use super::job::{Place, SearchJob, SearchMetric};
 use super::list::{BestList, Candidate};
 use super::parameters::SearchParameters;
 use super::rank::{distance_of, rank_of};
+use super::tree::{BRANCHES, Branch, NODE_BYTES};
 use super::{JOB_BYTES, SEARCH_BLOCK};
 use crate::model::{Memory, MemoryError, RayRequest};
 use std::collections::HashSet;
@@ -94,7 +95,9 @@ impl<M: Memory + ?Sized> Search<'_, M> {
         else {
             return Ok(None);
         };
-        let query = self.vector(&job, job.query)?;
+        let mut query = self.elements(&job, job.query)?;
+        let first = std::array::from_fn(|k| query.get(k).copied().unwrap_or_default());
+        query.truncate(job.dimensions as usize);
         let query_norm = match job.metric {
             SearchMetric::Cosine => {
                 let again = self.vector(&job, job.query)?;
@@ -116,6 +119,8 @@ impl<M: Memory + ?Sized> Search<'_, M> {
                     self.compare_list(&mut seen, neighbours.wrapping_add(index.wrapping_mul(stride)), degree)?;
                 }
             }
+            Place::Keys { nodes, len, expansions } => self.descend(&mut seen, first, nodes, Some(len), expansions)?,
+            Place::Boxes { nodes, expansions } => self.descend(&mut seen, first, nodes, None, expansions)?,
         }
         let scale = job.elements.scale();
         let of = |Candidate { rank, index, .. }| Neighbour {
@@ -123,6 +128,45 @@ impl<M: Memory + ?Sized> Search<'_, M> {
             distance: distance_of(job.metric, rank, query_norm, scale),
         };
         Ok(Some(seen.list.into_best(job.k).map(of).collect()))
+    }
+
+    /// Compares the vectors that a tree of keys, of which `range` are read, or of boxes has for a query.
+    fn descend(
+        &mut self,
+        seen: &mut Seen,
+        query: [f32; 4],
+        nodes: u32,
+        range: Option<u32>,
+        most: u32,
+    ) -> Result<(), MemoryError> {
+        let visit = |search: &mut Self, index: u32| {
+            let words = search.words(nodes.wrapping_add(index.wrapping_mul(NODE_BYTES)), NODE_BYTES / 4)?;
+            search.counts.beats += 1;
+            Ok(Branch::of_node(&std::array::from_fn(|k| words[k]), query, range.is_some()))
+        };
+        let mut branches = vec![visit(self, 0)?];
+        while let Some(branch) = branches.pop() {
+            if branch.is_leaf {
+                let in_range = range.map(|len| (0..len).map(|k| branch.first.wrapping_add(k)));
+                let in_boxes = branch.indices().filter(|_| range.is_none());
+                let count = seen.job.count;
+                for index in in_range.into_iter().flatten().chain(in_boxes).filter(|index| *index < count) {
+                    self.compare(seen, index)?;
+                }
+            } else if self.counts.expansions < most.into() {
+                self.counts.expansions += 1;
+                for index in branch.indices() {
+                    let next = visit(self, index)?;
+                    if next.children != 0 && branches.len() == BRANCHES {
+                        return Err(MemoryError(nodes.into()));
+                    }
+                    branches.extend((next.children != 0).then_some(next));
+                }
+            } else {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Compares the vectors of a list with the query, unless there is none of an index, or it was compared before.
@@ -157,9 +201,15 @@ impl<M: Memory + ?Sized> Search<'_, M> {
     }
 
     fn vector(&mut self, job: &SearchJob, address: u32) -> Result<Vec<f32>, MemoryError> {
+        let mut vector = self.elements(job, address)?;
+        vector.truncate(job.dimensions as usize);
+        Ok(vector)
+    }
+
+    /// The elements of a vector and those behind it in its last block.
+    fn elements(&mut self, job: &SearchJob, address: u32) -> Result<Vec<f32>, MemoryError> {
         let mut vector = Vec::with_capacity((job.layout().bytes() / job.elements.bytes()) as usize);
         self.read(address, job.layout().bytes(), |block| vector.extend(job.elements.of_block(block)))?;
-        vector.truncate(job.dimensions as usize);
         Ok(vector)
     }
 

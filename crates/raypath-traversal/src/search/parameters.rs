@@ -20,6 +20,8 @@ pub struct SearchParameters {
     pub remembered: u32,
     /// Beats between two jobs of rays, if both wait for the datapath: 1 to 8.
     pub turns: u32,
+    /// 1 if jobs search in trees of keys and of boxes, for which the datapath has two more operations; else 0.
+    pub trees: u32,
 }
 
 /// The searches of a unit, if it has them. As text: `none`, or the parameters that differ from the default by name, such
@@ -35,7 +37,7 @@ pub struct ParseSearchesError(String);
 /// A parameter: its name in texts, how it is reached, its least and greatest value, and whether it is a power of two.
 type Named = (&'static str, fn(&mut SearchParameters) -> &mut u32, u32, u32, bool);
 
-const NAMES: [Named; 7] = [
+const NAMES: [Named; 8] = [
     ("k", |parameters| &mut parameters.neighbours, 1, 64, false),
     ("m", |parameters| &mut parameters.candidates, 1, 256, false),
     ("contexts", |parameters| &mut parameters.contexts, 2, 16, false),
@@ -43,6 +45,7 @@ const NAMES: [Named; 7] = [
     ("blocks", |parameters| &mut parameters.blocks, 16, 512, true),
     ("remembered", |parameters| &mut parameters.remembered, 64, 4096, true),
     ("turns", |parameters| &mut parameters.turns, 1, 8, false),
+    ("trees", |parameters| &mut parameters.trees, 0, 1, false),
 ];
 
 impl Searches {
@@ -99,22 +102,33 @@ impl SearchParameters {
         blocks: 512,
         remembered: 4096,
         turns: 1,
+        trees: 1,
     };
 }
 
 impl Default for SearchParameters {
     fn default() -> Self {
-        Self { contexts: 8, neighbours: 32, candidates: 64, dimensions: 1024, blocks: 128, remembered: 1024, turns: 1 }
+        Self {
+            contexts: 8,
+            neighbours: 32,
+            candidates: 64,
+            dimensions: 1024,
+            blocks: 128,
+            remembered: 1024,
+            turns: 1,
+            trees: 0,
+        }
     }
 }
 
 impl fmt::Display for SearchParameters {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { contexts, neighbours, candidates, dimensions, blocks, remembered, turns } = self;
+        let Self { contexts, neighbours, candidates, dimensions, blocks, remembered, turns, trees } = self;
         write!(
             f,
             "{contexts} searches of up to {neighbours} neighbours, {candidates} candidates and {dimensions} dimensions, \
-             {blocks} blocks, {remembered} remembered indices, {turns} beats a job"
+             {blocks} blocks, {remembered} remembered indices, {turns} beats a job{}",
+            if *trees > 0 { ", trees" } else { "" }
         )
     }
 }

@@ -1,12 +1,12 @@
 //! Random searches.
 
 use crate::search::{
-    Elements, ImageError, Place, SearchImage, SearchJob, SearchMetric, SearchParameters, VectorLayout,
+    Elements, ImageError, Place, SearchImage, SearchJob, SearchMetric, SearchParameters, VectorLayout, order_of_boxes,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-/// Places so many random jobs in memory, with their vectors, lists and graphs, and returns their addresses. Some are
+/// Places so many random jobs in memory, with their vectors, lists, graphs and trees, and returns their addresses. Some are
 /// refused, and some read behind the memory. Equal ranks, indices that name no vector and repeated ones are frequent.
 ///
 /// # Errors
@@ -26,6 +26,9 @@ fn random_search(
     parameters: SearchParameters,
     image: &mut SearchImage,
 ) -> Result<u32, ImageError> {
+    if parameters.trees > 0 && random.random_range(0..3) == 0 {
+        return random_tree(random, parameters, image);
+    }
     let elements = [Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 0.25 }][random.random_range(0..3)];
     let dimensions = [1, 3, 8, 16, 17, 31, 40, 64, 65, 100][random.random_range(0..10)].min(parameters.dimensions);
     let vectors = random.random_range(0..120);
@@ -70,4 +73,46 @@ fn random_search(
     let bound = if random.random_range(0..4) == 0 { 2.0 } else { f32::INFINITY };
     let stride = layout.bytes();
     image.job(&SearchJob { metric, elements, dimensions, query, vectors: base, stride, count, k, bound, place })
+}
+
+/// A tree of keys or of boxes. Some are damaged: their nodes are elsewhere, or refer to each other.
+fn random_tree(
+    random: &mut ChaCha8Rng,
+    parameters: SearchParameters,
+    image: &mut SearchImage,
+) -> Result<u32, ImageError> {
+    let layout = |dimensions| VectorLayout { elements: Elements::Binary32, dimensions };
+    let k = random.random_range(1..=parameters.neighbours.min(12));
+    let expansions = if random.random_range(0..4) == 0 { random.random_range(0..6) } else { 300 };
+    let is_keys = random.random_range(0..2) == 0;
+    let count: u32 = random.random_range(0..if is_keys { 1500 } else { 400 });
+    let mut number = || f32::from(random.random_range(-9_i8..=9)) * 0.5;
+    let (nodes, vectors, query, bound) = if is_keys {
+        let mut keys: Vec<f32> = (0..count).map(|_| number() * number() + number()).collect();
+        keys.sort_by(f32::total_cmp);
+        let query = image.vectors(layout(4), &[-1.0, 0.0, 0.0, number().next_down()])?;
+        (image.keys(&keys)?, image.vectors(layout(1), &keys)?, query, number())
+    } else {
+        let points: Vec<[f32; 3]> = (0..count).map(|_| std::array::from_fn(|_| number())).collect();
+        let points: Vec<[f32; 3]> = order_of_boxes(&points).into_iter().map(|index| points[index as usize]).collect();
+        let (radius, query) = (number().abs(), image.vectors(layout(3), &[number(), number(), number()])?);
+        let nodes = image.boxes(&points, radius)?;
+        (nodes, image.vectors(layout(3), points.as_flattened())?, query, radius * radius)
+    };
+    let nodes = match random.random_range(0..12) {
+        0 => query,
+        1 => {
+            // Nodes whose children they are, around everything: there are branches without end.
+            let bounds = [f32::NEG_INFINITY, f32::INFINITY].map(f32::to_bits);
+            let mut words: Vec<u32> = (0..24).map(|word| bounds[word % 6 / 3]).collect();
+            words.resize(32, 0);
+            image.lists(32, [&words[..]; 4][..random.random_range(1..=4)].iter().copied())?
+        }
+        _ => nodes,
+    };
+    let len = random.random_range(0..40);
+    let place = if is_keys { Place::Keys { nodes, len, expansions } } else { Place::Boxes { nodes, expansions } };
+    let (metric, dimensions) = if is_keys { (SearchMetric::Dot, 1) } else { (SearchMetric::Euclidean, 3) };
+    let elements = if random.random_range(0..20) == 0 { Elements::Binary16 } else { Elements::Binary32 };
+    image.job(&SearchJob { metric, elements, dimensions, query, vectors, stride: 64, count, k, bound, place })
 }

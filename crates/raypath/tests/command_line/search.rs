@@ -96,6 +96,39 @@ fn a_saved_graph_is_searched_by_the_unit() {
 }
 
 #[test]
+fn trees_are_searched_by_the_unit() {
+    let folder = folder();
+    let at = folder.path();
+    let (base, queries) = (fvecs(at, "base.fvecs", &BASE), fvecs(at, "queries.fvecs", &QUERIES));
+    let keys = fvecs(at, "keys.fvecs", &[&[4.0], &[-2.0], &[4.0], &[9.5], &[0.0]]);
+    let ranges = fvecs(at, "ranges.fvecs", &[&[-2.0, 4.0], &[4.0, 4.0], &[5.0, 9.0], &[9.5, 20.0]]);
+    let out = text(&at.join("found.ivecs"));
+    // A shorter row is filled up. The squared distances to the queries are those of the first test.
+    const NONE: u32 = u32::MAX;
+    let cases: [(&[&str], &[&[u32]]); 2] = [
+        (&[&base, &queries, "--index", "boxes", "--radius", "4.2"], &[&[1, 2, 3], &[2, 3, 1]]),
+        (&[&keys, &ranges, "--index", "keys"], &[&[1, 4, 0], &[0, 2, NONE], &[NONE; 3], &[3, NONE, NONE]]),
+    ];
+    for (arguments, expected) in cases {
+        let said = page::succeeds(&[&["search"], arguments, &["-k", "3", "--through", "unit", "--out", &out]].concat());
+        assert_eq!(printed(&said, "queries whose neighbours are not those of a scan"), "0");
+        assert_eq!(std::fs::read(&out).expect("neighbours"), ivecs(expected));
+    }
+    for (more, words) in [
+        (&[&base, &queries, "--index", "boxes"][..], "--index boxes: expected --radius"),
+        (&[&base, &queries, "--index", "hnsw", "--radius", "1"], "--radius 1: expected --index boxes"),
+        (&[&base, &queries, "--index", "boxes", "--radius", "-1"], "a distance, 0 to 1e30"),
+        (&[&base, &queries, "--index", "keys"], "2"),
+        (
+            &[&base, &queries, "--index", "boxes", "--radius", "1", "--search", "k=4,m=4"],
+            "--search trees=0, expected at least 1",
+        ),
+    ] {
+        ends_with(&[&["search"], more, &["-k", "3", "--through", "unit"]].concat(), 2, &[words]);
+    }
+}
+
+#[test]
 fn wrong_input_is_named() {
     let folder = folder();
     let at = folder.path();

@@ -4,14 +4,14 @@ mod saved;
 mod unit;
 
 use crate::commands::full::{DivisionArguments, MemoryArguments, print_rows, watched, write_and_name};
-use crate::{CliError, ConfigArguments, whole};
+use crate::{CliError, ConfigArguments, number, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_ops::Rounding;
 use raypath_rtl::{Config, Lanes};
 use raypath_search::{
-    Clusters, Dataset, Exact, GraphParameters, Layer, Metric, Neighbours, SearchResults, StoredAs, UnitJobs, UnitSpec,
-    Work, recall, write_ivecs,
+    Clusters, Dataset, Exact, GraphParameters, Layer, Metric, Neighbour, Neighbours, SearchResults, StoredAs, UnitJobs,
+    UnitPlace, UnitSearch, UnitSpec, Work, recall, write_ivecs,
 };
 use raypath_timing::Progress;
 use raypath_traversal::search::SearchParameters;
@@ -43,9 +43,12 @@ pub struct Arguments {
     /// The elements of vectors in the unit's memory
     #[arg(long, requires = "through", default_value = "binary32", value_name = "binary32|binary16|int8")]
     elements: StoredAs,
-    /// Build an index, of which the unit searches the lowest layer
+    /// Build an index for the unit
     #[arg(long, value_enum, requires = "through")]
     index: Option<Index>,
+    /// The greatest distance of a neighbour, for boxes
+    #[arg(long, requires = "index", value_parser = number(0.0..=1e30, "a distance, 0 to 1e30"), value_name = "R")]
+    radius: Option<f64>,
     /// The true neighbours: .ivecs or .npy; an .hdf5 file has its own [default with --index: from exact search]
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
@@ -84,8 +87,12 @@ enum Through {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Index {
-    /// A hierarchical navigable small-world graph
+    /// A hierarchical navigable small-world graph, of which the unit searches the lowest layer
     Hnsw,
+    /// A tree of boxes around vectors of 1 to 3 dimensions, of which those within --radius are found
+    Boxes,
+    /// A tree of keys, which are vectors of one dimension; a query has two, the least and the greatest key
+    Keys,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
@@ -107,12 +114,14 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let (base, queries) = (&dataset.base, &dataset.queries);
     let searched = format!("{} vectors of {} dimensions", base.len(), base.dimensions());
     writeln!(out, "{searched}, {} queries, {metric} distance", queries.len())?;
-    let has_graph = arguments.index.is_some() || dataset.layer.is_some() && !arguments.exact;
+    let tree = arguments.tree()?;
+    let is_built = matches!(arguments.index, Some(Index::Hnsw));
+    let has_graph = is_built || dataset.layer.is_some() && !arguments.exact && tree.is_none();
     if let Some(ef) = arguments.ef.filter(|_| !has_graph) {
         let problem = format!("--ef {ef}: candidates are kept in a graph, expected --index hnsw or a saved graph");
         return Err(CliError::unusable(problem));
     }
-    let graph = arguments.index.map(|Index::Hnsw| arguments.graph(&dataset, metric, out)).transpose()?;
+    let graph = is_built.then(|| arguments.graph(&dataset, metric, out)).transpose()?;
     if has_graph && arguments.through.is_none() {
         let problem =
             format!("{}: the unit searches a saved graph, expected --through unit or --exact", arguments.name());
@@ -121,7 +130,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let of_unit = match arguments.through {
         None => None,
         Some(Through::Unit) => {
-            let layer = graph.as_ref().or(dataset.layer.as_ref().filter(|_| !arguments.exact));
+            let layer = graph.as_ref().or(dataset.layer.as_ref().filter(|_| has_graph));
+            let of_graph = layer.map_or(UnitPlace::All, |layer| UnitPlace::Graph(layer, arguments.ef()));
             let spec = UnitSpec {
                 base,
                 queries,
@@ -129,7 +139,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
                 elements: arguments.elements.elements([base, queries]),
                 neighbours: arguments.k,
                 bound: f32::INFINITY,
-                graph: layer.map(|layer| (layer, arguments.ef())),
+                place: tree.unwrap_or(of_graph),
                 unit: SearchParameters::MOST,
             };
             let jobs = UnitJobs::new(&spec)?;
@@ -150,7 +160,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         rows.push(("bytes that a query reads".to_string(), of_query(found.bytes())));
         rows.push(("candidates that a query expands".to_string(), of_query(found.expansions)));
     }
-    if let Some((source, truth)) = arguments.truth(&dataset, metric)? {
+    if let (Some((_, found)), Some(tree)) = (&of_unit, tree) {
+        let differing = arguments.differing(&dataset, tree, found)?;
+        rows.push(("queries whose neighbours are not those of a scan".to_string(), differing.to_string()));
+    } else if let Some((source, truth)) = arguments.truth(&dataset, metric)? {
         let recall = recall(&results, &truth, base, queries, metric, arguments.k).map_err(CliError::unusable)?;
         rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
     }
@@ -165,7 +178,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
     if let Some((jobs, found)) = &of_unit {
         let candidates = if has_graph { arguments.ef() } else { arguments.k };
-        let needs = unit::Needs { neighbours: arguments.k, candidates, dimensions: base.dimensions() };
+        let (dimensions, has_tree) = (base.dimensions(), tree.is_some());
+        let needs = unit::Needs { neighbours: arguments.k, candidates, dimensions, has_tree };
         let title = format!("{}: {} nearest of {searched}, {metric}", arguments.name(), arguments.k);
         let subject = unit::Subject { title, metric, jobs, found, needs, rows: &rows };
         files.extend(arguments.unit.time(&subject, config, out)?);
@@ -176,6 +190,40 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
 impl Arguments {
     fn ef(&self) -> usize {
         self.ef.unwrap_or((5 * self.k).min(MOST_CANDIDATES)).max(self.k)
+    }
+
+    /// The tree that is searched.
+    fn tree(&self) -> Result<Option<UnitPlace<'static>>, CliError> {
+        match (self.index, self.radius) {
+            (Some(Index::Boxes), Some(radius)) => Ok(Some(UnitPlace::Boxes(radius as f32))),
+            (Some(Index::Boxes), None) => Err(CliError::unusable("--index boxes: expected --radius")),
+            (_, Some(radius)) => Err(CliError::unusable(format!("--radius {radius}: expected --index boxes"))),
+            (Some(Index::Keys), None) => Ok(Some(UnitPlace::Keys)),
+            _ => Ok(None),
+        }
+    }
+
+    /// The queries whose neighbours have other distances in a tree than among all vectors.
+    fn differing(&self, dataset: &Dataset, tree: UnitPlace<'_>, found: &UnitSearch) -> Result<usize, CliError> {
+        let Dataset { base, queries, .. } = dataset;
+        let scanned: Vec<Vec<f32>> = if let UnitPlace::Boxes(radius) = tree {
+            let results = Exact::new(base, Metric::Euclidean).search(queries, self.k, &|_| true)?;
+            let is_near = |near: &&Neighbour| near.distance.powi(2) as f32 <= radius * radius;
+            let row = |row: &Vec<Neighbour>| row.iter().filter(is_near).map(|near| near.distance as f32).collect();
+            results.rows.iter().map(row).collect()
+        } else {
+            let mut keys = base.data().to_vec();
+            keys.sort_by(f32::total_cmp);
+            let row = |range: &[f32]| {
+                let from = keys.partition_point(|key| *key < range[0]);
+                keys[from..].iter().copied().take_while(|key| *key <= range[1]).take(self.k).collect()
+            };
+            queries.iter().map(row).collect()
+        };
+        let differs = |(row, scanned): &(&Vec<_>, &Vec<f32>)| {
+            !row.iter().map(|near: &raypath_traversal::search::Neighbour| near.distance).eq(scanned.iter().copied())
+        };
+        Ok(found.rows.iter().zip(&scanned).filter(differs).count())
     }
 
     fn name(&self) -> String {

@@ -1,10 +1,10 @@
 //! The beats of vectors, and where other blocks go.
 
-use super::Beat;
 use super::fetch::{Block, Entry};
 use super::ranks::Sent;
+use super::{Beat, Visited};
 use crate::hardware::Burst;
-use crate::search::{Elements, SearchMetric, SearchParameters, Shape, key_of, rank_of, sums};
+use crate::search::{Branch, Elements, SearchMetric, SearchParameters, Shape, key_of, rank_of, sums};
 use raypath_model::{State, StateWords, state};
 
 #[derive(Debug, Clone)]
@@ -16,6 +16,8 @@ pub struct Beats {
     queries: Vec<Vec<f32>>,
     /// The elements so far of the vector whose blocks are taken, and whether they are sent.
     vector: Vec<f32>,
+    /// The first words of the node whose blocks are taken.
+    node: Vec<u32>,
     skips: bool,
     is_first_block: bool,
 }
@@ -33,12 +35,13 @@ state! { Taken { entry, block, has_failed, left } }
 
 impl State for Beats {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        let Self { taken, failed, shapes, queries, vector, skips, is_first_block } = self;
+        let Self { taken, failed, shapes, queries, vector, node, skips, is_first_block } = self;
         taken.pass(words);
         failed.pass(words);
         shapes.pass(words);
         queries.iter_mut().for_each(|query| words.many(query));
         words.many(vector);
+        words.many(node);
         skips.pass(words);
         is_first_block.pass(words);
     }
@@ -55,6 +58,7 @@ impl State for Shape {
         self.metric.pass(words);
         words.one_of(&mut self.elements, &[Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 1.0 }]);
         self.tail.pass(words);
+        self.is_keys.pass(words);
     }
 }
 
@@ -70,9 +74,10 @@ impl Beats {
         Self {
             taken: None,
             failed: 0,
-            shapes: vec![Shape { metric: SearchMetric::Euclidean, elements: Elements::Binary32, tail: 1 }; contexts],
+            shapes: vec![Shape::of_words(&[0; 16]); contexts],
             queries: vec![Vec::new(); contexts],
             vector: Vec::new(),
+            node: Vec::new(),
             skips: false,
             is_first_block: true,
         }
@@ -81,6 +86,11 @@ impl Beats {
     /// Whether a block of this search has failed.
     pub fn has_failed(&self, context: u8) -> bool {
         self.failed >> context & 1 == 1
+    }
+
+    /// No more vectors of this search are sent.
+    pub fn fail(&mut self, context: u8) {
+        self.failed |= 1 << context;
     }
 
     fn fails(&self, taken: &Taken) -> bool {
@@ -98,10 +108,32 @@ impl Beats {
 
     /// The beat that is offered.
     pub fn offer(&self, can_send: bool) -> Option<Beat> {
+        if self.is_node_complete() {
+            return self.taken.map(|taken| {
+                let is_keys = self.shapes[usize::from(taken.entry.context)].is_keys;
+                Beat { node: Some(is_keys), is_angular: false, is_last: false }
+            });
+        }
         let taken = self.taken.as_ref().filter(|taken| taken.entry.burst.is_vector() && !self.skips(taken))?;
         let lanes = self.lanes(taken);
         let is_last = taken.left <= lanes && taken.entry.is_last;
-        (!is_last || can_send).then_some(Beat { is_angular: lanes == 8, is_last })
+        (!is_last || can_send).then_some(Beat { node: None, is_angular: lanes == 8, is_last })
+    }
+
+    fn is_node_complete(&self) -> bool {
+        self.taken.is_some_and(|Taken { entry, .. }| entry.burst == Burst::Node && entry.is_last)
+    }
+
+    /// The node that is offered.
+    pub fn node(&self) -> Option<Visited> {
+        let (Entry { context, index, .. }, second) = self.words(Burst::Node).filter(|(entry, _)| entry.is_last)?;
+        let words = self.node.iter().copied().chain(second);
+        let mut node = [0; 32];
+        node.iter_mut().zip(words).for_each(|(to, from)| *to = from);
+        let query = &self.queries[usize::from(context)];
+        let query = std::array::from_fn(|k| query.get(k).copied().unwrap_or_default());
+        let is_keys = self.shapes[usize::from(context)].is_keys;
+        Some(Visited { context, branch: Branch::of_node(&node, query, is_keys), is_last: index & 1 == 1 })
     }
 
     /// The job that was taken: its context and words.
@@ -128,6 +160,7 @@ impl Beats {
         match burst {
             Burst::Job => (None, loads),
             Burst::Query | Burst::List => (None, true),
+            Burst::Node => (None, leaves || !is_last),
             Burst::Expand | Burst::Drain => (sent(0, false).filter(|_| can_send), can_send),
             Burst::Norm | Burst::Vector => {
                 let is_end = taken.left <= self.lanes(taken);
@@ -140,7 +173,7 @@ impl Beats {
     /// The key of the rank of a vector that is complete, or of the query's norm; and whether it has one.
     fn rank(&self, taken: &Taken) -> (u32, bool) {
         let context = usize::from(taken.entry.context);
-        let Shape { metric, elements, tail } = self.shapes[context];
+        let Shape { metric, elements, tail, .. } = self.shapes[context];
         let len = self.vector.len() + tail as usize - elements.per_block() as usize;
         let query = self.queries[context].get(..len).unwrap_or_default();
         let (sums, _) = sums(metric, query, self.vector.get(..len).unwrap_or_default());
@@ -199,7 +232,10 @@ impl Beats {
                 }
                 self.vector.extend(shape.elements.of_block(&block));
             }
-            Burst::List | Burst::Expand | Burst::Drain => {}
+            Burst::Node if !entry.is_last => {
+                self.node = self.words(Burst::Node).map(|(_, words)| words.to_vec()).unwrap_or_default();
+            }
+            Burst::Node | Burst::List | Burst::Expand | Burst::Drain => {}
         }
     }
 }

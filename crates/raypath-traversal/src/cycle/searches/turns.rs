@@ -1,9 +1,9 @@
 //! What each search fetches next.
 
-use super::Fifo;
 use super::fetch::Blocks;
+use super::{Fifo, Visited};
 use crate::hardware::{Burst, Phase, TURNS_WAITING};
-use crate::search::{Place, SEARCH_BLOCK, SearchJob, SearchParameters};
+use crate::search::{BRANCHES, Branch, NODE_BLOCKS, NODE_BYTES, Place, SEARCH_BLOCK, SearchJob, SearchParameters};
 use raypath_model::{StateWords, state};
 
 /// Vectors or indices of a turn.
@@ -43,6 +43,8 @@ struct Search {
     lists: [[u32; 16]; 2],
     half: usize,
     compared: Vec<[u32; WAYS]>,
+    /// The branches of a tree that are visited, the last one first.
+    branches: Vec<Branch>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -60,6 +62,7 @@ struct Turn {
     state: State,
     list: [u32; 16],
     candidate: u32,
+    branch: Option<Branch>,
 }
 
 /// A burst whose address is computed. One of an index that was compared before, or has no vector, is dropped.
@@ -74,13 +77,14 @@ struct Pending {
 state! {
     Turns { searches, in_use, waits, is_new, after, sweep, turn, burst, queue, count }
     State { phase, number, left, spent }
-    Turn { context, step, state, list, candidate }
+    Turn { context, step, state, list, candidate, branch }
+    Branch { first, children, is_leaf }
     Pending { blocks, compared, is_outside }
 }
 
 impl raypath_model::State for Search {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        let Self { base, address, job, state, candidate, lists, half, compared } = self;
+        let Self { base, address, job, state, candidate, lists, half, compared, branches } = self;
         let mut of_job = job.map(|job| job.words());
         of_job.pass(words);
         *job = of_job.and_then(|words| SearchJob::from_words(words, &SearchParameters::MOST).ok());
@@ -91,13 +95,14 @@ impl raypath_model::State for Search {
         lists.pass(words);
         half.pass(words);
         compared.pass(words);
+        words.many(branches);
     }
 }
 
 impl raypath_model::State for Phase {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        use Phase::{Begin, Enter, Expand, List, Neighbours, Scan};
-        words.one_of(self, &[Enter, Begin, Scan, List, Neighbours, Expand]);
+        use Phase::{Begin, Enter, Expand, List, Neighbours, Scan, Visit};
+        words.one_of(self, &[Enter, Begin, Scan, List, Neighbours, Expand, Visit]);
     }
 }
 
@@ -110,6 +115,8 @@ pub struct Events {
     pub load: Option<(u8, [u32; 16])>,
     pub list: Option<(u8, u32, [u32; 16])>,
     pub expands: Option<(u8, u32)>,
+    /// The outcome of a node.
+    pub visited: Option<Visited>,
     /// A block of the search whose turn it is has failed.
     pub has_failed: bool,
     pub burst_ready: bool,
@@ -120,6 +127,8 @@ pub struct TurnsEdge {
     pub burst: Option<Blocks>,
     /// The number of the search that has entered.
     pub entered: Option<u8>,
+    /// A search with more branches than there are places.
+    pub overflowed: Option<u8>,
 }
 
 impl Turns {
@@ -134,6 +143,7 @@ impl Turns {
             lists: [[0; 16]; 2],
             half: 0,
             compared: vec![[u32::MAX; WAYS]; parameters.remembered as usize / WAYS],
+            branches: Vec::new(),
         };
         Self {
             parameters,
@@ -180,10 +190,11 @@ impl Turns {
         let remembers = burst.and_then(|pending| Some((pending.blocks, pending.compared?)));
 
         let (mut came, mut ended) = (0_u32, None);
-        let mut next = None;
+        let (mut next, mut pops) = (None, None);
         if let Some(turn) = self.turn.filter(|_| moves) {
             let step = self.step(turn, events.has_failed);
             next = step.asks;
+            pops = step.pops.then_some(turn.context);
             match step.ends {
                 Some(state) => {
                     ended = Some((turn.context, state));
@@ -203,9 +214,23 @@ impl Turns {
             self.turn = Some(turn);
         }
         self.remember(remembers);
+        if let Some(context) = pops {
+            self.searches[usize::from(context)].branches.pop();
+        }
+        let mut overflowed = None;
+        if let Some(Visited { context, branch, is_last }) = events.visited {
+            let branches = &mut self.searches[usize::from(context)].branches;
+            match branch.children {
+                0 => {}
+                _ if branches.len() == BRANCHES => overflowed = Some(context),
+                _ => branches.push(branch),
+            }
+            came |= u32::from(is_last) << context;
+        }
         if let (Some(context), Some((_, base, address))) = (entered, events.enters) {
             let search = &mut self.searches[usize::from(context)];
             (search.base, search.address) = (base, address);
+            search.branches.clear();
             self.sweep = Some((context, 0));
             came |= 1 << context;
             self.in_use |= 1 << context;
@@ -235,7 +260,7 @@ impl Turns {
         if moves {
             self.burst = next;
         }
-        TurnsEdge { burst: taken, entered }
+        TurnsEdge { burst: taken, entered, overflowed }
     }
 
     /// The turn that begins in the next cycle, if there is none or one ends.
@@ -249,10 +274,11 @@ impl Turns {
         let later = can & self.after;
         let context = if later != 0 { later } else { can }.trailing_zeros();
         self.after = !0 << context << 1;
-        let Search { state, lists, half, candidate, .. } = &self.searches[context as usize];
+        let Search { state, lists, half, candidate, branches, .. } = &self.searches[context as usize];
         let is_new = self.is_new >> context & 1 == 1;
         let state = State { phase: if is_new { Phase::Enter } else { state.phase }, ..*state };
-        Some(Turn { context: context as u8, step: 0, state, list: lists[*half], candidate: *candidate })
+        let (list, branch) = (lists[*half], branches.last().copied());
+        Some(Turn { context: context as u8, step: 0, state, list, candidate: *candidate, branch })
     }
 
     /// An index is remembered, or a set of indices is forgotten.
@@ -280,14 +306,14 @@ impl Turns {
                 is_outside: false,
             })
         };
-        let end = |asks, state| Step { asks, state, ends: Some(state), again: false };
+        let end = |asks, state| Step { asks, state, ends: Some(state), again: false, pops: false };
         let drain = || end(ask(Burst::Drain, state.number, 0, 0), state);
         if state.phase == Phase::Enter {
             return end(ask(Burst::Job, state.number, search.address, 1), State { phase: Phase::Begin, ..state });
         }
         let Some(job) = search.job.filter(|_| !block_failed) else {
             let stops = match state.phase {
-                Phase::Begin | Phase::List | Phase::Neighbours => step == 0,
+                Phase::Begin | Phase::List | Phase::Neighbours | Phase::Visit => step == 0,
                 Phase::Scan => true,
                 Phase::Enter | Phase::Expand => false,
             };
@@ -302,14 +328,17 @@ impl Turns {
 
     fn step_of(&self, turn: Turn, job: &SearchJob, ask: impl Fn(Burst, u32, u32, u32) -> Option<Pending>) -> Step {
         let Turn { step, state, context, .. } = turn;
-        let go_on = |asks, state| Step { asks, state, ends: None, again: false };
-        let end = |asks, state| Step { asks, state, ends: Some(state), again: false };
+        let go_on = |asks, state| Step { asks, state, ends: None, again: false, pops: false };
+        let end = |asks, state| Step { asks, state, ends: Some(state), again: false, pops: false };
         let blocks = job.layout().bytes() / SEARCH_BLOCK;
         let (places, expansions) = match job.place {
             Place::Scan => ((0, 0), 0),
             Place::Gather { list, len } => ((list, len), 0),
             Place::Graph { entries, entry_count, expansions, .. } => ((entries, entry_count), expansions),
+            Place::Keys { nodes, len, expansions } => ((nodes, len), expansions),
+            Place::Boxes { nodes, expansions } => ((nodes, 0), expansions),
         };
+        let is_tree = matches!(job.place, Place::Keys { .. } | Place::Boxes { .. });
         let spent = if state.phase == Phase::Begin { 0 } else { state.spent };
         let mark = |state: State| {
             if spent < expansions {
@@ -320,6 +349,19 @@ impl Turns {
         };
         let list =
             |base: u32, number: u32| ask(Burst::List, number, base.wrapping_add(number.wrapping_mul(SEARCH_BLOCK)), 1);
+        // A vector that may be none, or was compared before.
+        let compare = |index: u32| {
+            let to = job.vectors.wrapping_add(index.wrapping_mul(job.stride));
+            let sets = self.searches[0].compared.len();
+            let set = (index ^ index >> sets.trailing_zeros()) as usize % sets;
+            let compared = Some((set, self.searches[usize::from(context)].compared[set]));
+            let is_outside = index >= job.count;
+            ask(Burst::Vector, index, to, blocks).map(|pending| Pending { compared, is_outside, ..pending })
+        };
+        let node = |index: u32, is_last: bool| {
+            let to = places.0.wrapping_add(index.wrapping_mul(NODE_BYTES));
+            ask(Burst::Node, is_last.into(), to, NODE_BLOCKS)
+        };
         let neighbours = || match job.place {
             Place::Graph { neighbours, degree, .. } => {
                 let stride = (4 * degree).next_multiple_of(SEARCH_BLOCK);
@@ -341,13 +383,14 @@ impl Turns {
                     let next = State { phase: Phase::Scan, number: 0, left: job.count, spent };
                     Step { again: true, ..end(None, next) }
                 }
+                _ if is_tree => end(node(0, true), State { phase: Phase::Visit, number: 0, left: 0, spent }),
                 _ if places.1 == 0 => mark(state),
                 _ => end(list(places.0, 0), State { phase: Phase::List, number: 0, left: places.1, spent }),
             },
             Phase::Scan if state.left == 0 => end(ask(Burst::Drain, state.number, 0, 0), state),
             Phase::Scan => {
                 let to = job.vectors.wrapping_add(state.number.wrapping_mul(job.stride));
-                let asks = ask(Burst::Vector, state.number, to, blocks);
+                let asks = if is_tree { compare(state.number) } else { ask(Burst::Vector, state.number, to, blocks) };
                 let next = State { number: state.number.wrapping_add(1), left: state.left - 1, ..state };
                 if step + 1 == PER_TURN { Step { again: true, ..end(asks, next) } } else { go_on(asks, next) }
             }
@@ -360,16 +403,7 @@ impl Turns {
                 if place == state.left {
                     return mark(state);
                 }
-                let index = turn.list[place as usize % 16];
-                let to = job.vectors.wrapping_add(index.wrapping_mul(job.stride));
-                let sets = self.searches[0].compared.len();
-                let set = (index ^ index >> sets.trailing_zeros()) as usize % sets;
-                let known = self.searches[usize::from(context)].compared[set];
-                let asks = ask(Burst::Vector, index, to, blocks).map(|pending| Pending {
-                    compared: Some((set, known)),
-                    is_outside: index >= job.count,
-                    ..pending
-                });
+                let asks = compare(turn.list[place as usize % 16]);
                 if step == PER_TURN && state.left > PER_TURN {
                     end(asks, State { number: state.number.wrapping_add(1), left: state.left - PER_TURN, ..state })
                 } else {
@@ -383,6 +417,28 @@ impl Turns {
                 }
                 end(list(base, 0), State { phase: Phase::Neighbours, number: 0, left: degree, ..state })
             }
+            Phase::Visit => {
+                let cannot = turn.branch.is_none_or(|branch| !branch.is_leaf && spent >= expansions);
+                if step == 0 && cannot {
+                    return end(ask(Burst::Drain, state.number, 0, 0), state);
+                }
+                let Branch { first, children, is_leaf } = turn.branch.unwrap_or_default();
+                let (pops, index) = (step == 0, first.wrapping_add(step));
+                if is_leaf && matches!(job.place, Place::Keys { .. }) {
+                    let next = State { phase: Phase::Scan, number: index, left: places.1, ..state };
+                    return Step { again: true, pops, ..end(None, next) };
+                }
+                let child = if is_leaf { step / 4 } else { step };
+                let is_last_child = u32::from(children) >> child <= 1;
+                let is_child = children >> child & 1 == 1;
+                let asks = if is_leaf { compare(index) } else { node(index, is_last_child) }.filter(|_| is_child);
+                if is_last_child && (!is_leaf || step % 4 == 3) {
+                    let next = State { spent: spent + u32::from(!is_leaf), ..state };
+                    Step { again: is_leaf, pops, ..end(asks, next) }
+                } else {
+                    Step { pops, ..go_on(asks, state) }
+                }
+            }
         }
     }
 }
@@ -395,6 +451,8 @@ struct Step {
     ends: Option<State>,
     /// The search can go on at once.
     again: bool,
+    /// The branch is taken.
+    pops: bool,
 }
 
 impl Pending {

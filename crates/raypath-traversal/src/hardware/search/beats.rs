@@ -1,6 +1,6 @@
 //! The beats of vectors, and where other blocks go.
 
-use super::super::connect::{hold, keep};
+use super::super::connect::{hold, keep, named};
 use super::widen::widen;
 use super::wiring::{BURST_BITS, Burst, WORDS, bit_of, context_bits, one_hot, vector_block_bits};
 use crate::search::SearchParameters;
@@ -19,12 +19,16 @@ pub const NORM: u64 = 3;
 /// of a block go on to all readers at `word_…_o`, with the number of its search, `context_o`, and its index `index_o`:
 /// where `job_valid_o` and `job_ready_i` are 1, a job, of which `job_failed_o` says that it could not be read; where
 /// `list_valid_o` is 1, a list. Queries are kept here. `failed_o` has a bit for each search of which a block failed: no
-/// more of its vectors are sent.
+/// more of its vectors are sent; with trees, it has those of `overflowed_i`.
 ///
 /// A beat is offered where `beat_valid_o` is 1, until `beat_ready_i` is 1: its lanes, `a_…_o` of the query and `b_…_o` of
 /// the vector, `mask_…_o`, whether it `is_last_o` of its vector, and `is_angular_o`. With the last beat, and for
 /// each marker, `sent_o` is 1, with kind, context, index, what the outcome is for, `code_o`, and whether the search has failed. `can_send_i` says that it
 /// may be.
+///
+/// With trees, a node is offered in the same way where `is_node_o` is 1: its words are `node_…_o` and those of `b_…_o`, and
+/// the first words of the query's block are those of `a_…_o`. It leaves where `node_sent_o` is 1, and `is_keys_o` says
+/// whether it is one of keys.
 pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_search_beats");
     let m = &builder;
@@ -36,6 +40,8 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let words: Vec<Wire<'_>> = (0..WORDS).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
     let block_failed = m.input("failed_i", 1);
     let [job_ready, beat_ready, can_send] = ["job_ready_i", "beat_ready_i", "can_send_i"].map(|name| m.input(name, 1));
+
+    let overflowed = (parameters.trees > 0).then(|| m.input("overflowed_i", contexts));
 
     m.section("The block that was taken");
     let busy = m.register("busy_q", 1).reset_to(0);
@@ -53,13 +59,16 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
         [(Burst::Job, "is_job"), (Burst::Query, "is_query"), (Burst::Norm, "is_norm"), (Burst::List, "is_list")]
             .map(|(burst, name)| is(burst, name));
     let is_vector = is_norm | is(Burst::Vector, "is_vector");
+    let is_node = overflowed.map_or(m.constant(1, 0), |_| is(Burst::Node, "is_block_of_node"));
     let is_marker = (busy.wire() & Burst::marks(kind)).named("is_marker");
     keeps_query.drive(is_query);
 
     m.section("The searches of which a block has failed");
     let fails = (busy.wire() & !is_marker & block_failed).named("fails");
     let failed = m.register("failed_q", contexts).reset_to(0);
-    let has_failed = (bit_of(failed.wire(), context) & !is_job | fails).named("has_failed");
+    let failed_before = failed.wire();
+    let failed_before = overflowed.map_or(failed_before, |overflowed| failed_before | overflowed);
+    let has_failed = (bit_of(failed_before, context) & !is_job | fails).named("has_failed");
     let here = one_hot(context, contexts);
     failed.next_when(is_job | fails, has_failed.mux(failed.wire() | here, failed.wire() & !here));
 
@@ -71,7 +80,8 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let tail = ((tail & kept).extend(LEFT_BITS) + m.constant(LEFT_BITS, 1)).named("tail");
     let shape =
         [("metric", metric), ("elements", elements), ("tail", tail)].map(|(name, wire)| (name.to_string(), wire));
-    let shape = keep("u_shapes", contexts, (is_job, context), shape.to_vec(), (take, next_context));
+    let shape = shape.into_iter().chain(overflowed.map(|_| named("is_keys", !words[0].bit(0)))).collect();
+    let shape = keep("u_shapes", contexts, (is_job, context), shape, (take, next_context));
     let [metric, elements, tail] = [0, 1, 2].map(|k| shape[k].1);
     let is_angular = metric.any().named("is_angular");
 
@@ -85,7 +95,9 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
         words.iter().enumerate().map(|(k, word)| (format!("word_{k}"), *word)).collect();
     let write = (is_query, m.concat(&[context, block.wire()]));
     let read_block = next_block.named("next_block");
-    let reads = (take & (Burst::Norm.is(next_kind) | Burst::Vector.is(next_kind))).named("reads_query");
+    let reads = Burst::Norm.is(next_kind) | Burst::Vector.is(next_kind);
+    let reads = overflowed.map_or(reads, |_| reads | Burst::Node.is(next_kind));
+    let reads = (take & reads).named("reads_query");
     let read = (reads, m.concat(&[next_context, read_block]));
     let depth = contexts.next_power_of_two() << block_width;
     let query: Vec<Wire<'_>> = keep("u_query", depth, write, columns, read).into_iter().map(|(_, wire)| wire).collect();
@@ -110,7 +122,11 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     left_q.next_when(leaves, left - lanes);
     beat_q.next_when(leaves, beat + m.constant(3, 1));
     let sends = ((leaves & is_last) | (is_marker & can_send)).named("sends");
-    ends.drive((is_job & job_ready) | is_query | is_list | skips | (leaves & is_end) | (is_marker & can_send));
+    let (tests, keeps_node) = (is_node & last, is_node & !last);
+    let node_leaves = tests & beat_ready;
+    let of_vector = (leaves & is_end) | skips;
+    let of_node = keeps_node | node_leaves;
+    ends.drive((is_job & job_ready) | is_query | is_list | of_vector | of_node | (is_marker & can_send));
 
     // In an even half beat, the lower lanes have the elements of a Euclidean beat.
     let half = is_angular.mux(beat, m.concat(&[beat.lower(2), m.constant(1, 0)])).named("half_beat");
@@ -139,7 +155,15 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     }
 
     m.output("take_o", take);
-    m.output("beat_valid_o", offer);
+    m.output("beat_valid_o", offer | tests);
+    if overflowed.is_some() {
+        m.output("is_node_o", tests);
+        m.output("is_keys_o", shape[3].1);
+        m.output("node_sent_o", node_leaves);
+        for (k, word) in words.iter().enumerate() {
+            m.output(&format!("node_{k}_o"), hold(&format!("node_{k}_q"), keeps_node, *word));
+        }
+    }
     m.output("is_last_o", is_last);
     m.output("is_angular_o", is_angular);
     m.output("code_o", is_norm.mux(m.constant(2, NORM), metric));
@@ -148,7 +172,7 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     m.output("context_o", context);
     m.output("index_o", index);
     m.output("has_failed_o", has_failed);
-    m.output("failed_o", failed.wire());
+    m.output("failed_o", failed_before);
     m.output("job_valid_o", is_job);
     m.output("list_valid_o", is_list);
     builder.finish()

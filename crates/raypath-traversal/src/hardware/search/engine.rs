@@ -4,6 +4,7 @@ use super::super::blocks::data_words;
 use super::super::connect::{Inputs, named, prefixed};
 use super::super::queue::bits;
 use super::beats::{LANES, beats};
+use super::branches::{BRANCH, branches};
 use super::fetch::fetch;
 use super::filter::filter;
 use super::list::list;
@@ -33,7 +34,8 @@ pub struct SearchPorts {
 /// A job enters by `search_…`: the address of its words, a multiple of 64, and a number, which its results have. Results
 /// leave by `result_…`. Blocks of 64 bytes are read by `vec_req_…` and `vec_rsp_…`. Beats go to the datapath by
 /// `beat_…`; the outcome of the last beat of a vector comes where `outcome_valid_i` is 1, at least two cycles later and in
-/// order, and never waits.
+/// order, and never waits. With trees, nodes are among the beats (`beat_is_node_o`), and their outcomes come where
+/// `outcome_tested_i` is 1.
 pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result<Arc<Module>, Error> {
     let SearchPorts { memory_width, address_width, id_width, divider_latency } = ports;
     let builder = Builder::new("raypath_search");
@@ -53,6 +55,11 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
     let beat_ready = m.input("beat_ready_i", 1);
     let outcome_valid = m.input("outcome_valid_i", 1);
     let sums = ["squares", "dot", "norm"].map(|name| named(name, m.input(&format!("outcome_{name}_i"), 32)));
+    let has_trees = parameters.trees > 0;
+    let tested = has_trees.then(|| {
+        let of_node = [("tested", 1), ("inside", 4), ("child", 6)];
+        of_node.map(|(name, width)| m.input(&format!("outcome_{name}_i"), width))
+    });
     m.unused("unused_job", &[search_job.lower(BLOCK_SHIFT)]);
 
     m.section("Turns, and the blocks that they ask for");
@@ -63,6 +70,14 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
         ["release_context", "block_context", "expands_context"].map(|name| forward(name, width));
     let (list_half, expands_index) = (forward("list_half", 1), forward("expands_index", BLOCK_BITS));
     let failed = forward("failed", parameters.contexts);
+    let of_branch = BRANCH.map(|(name, width)| (format!("next_{name}"), width)).into_iter();
+    let events = [("next_is_there", 1), ("visited", 1), ("visited_context", width)];
+    let branch: Vec<_> = of_branch
+        .chain(events.map(|(name, width)| (name.to_string(), width)))
+        .filter(|_| has_trees)
+        .map(|(name, width)| (forward(&name, width), name))
+        .collect();
+    let overflowed = has_trees.then(|| forward("overflowed", parameters.contexts));
     let words: Vec<_> = (0..WORDS).map(|k| (format!("word_{k}"), forward(&format!("word_{k}"), 32))).collect();
     let word_wires: Vec<(String, Wire<'_>)> = words.iter().map(|(name, word)| named(name, word.wire())).collect();
     let turns = Inputs::default()
@@ -80,6 +95,7 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
         .port("expands_context", expands_context.wire())
         .port("expands_index", expands_index.wire())
         .port("failed", failed.wire())
+        .ports(branch.iter().map(|(forward, name)| named(name, forward.wire())))
         .port("burst_ready", burst_ready.wire())
         .place(m, "u_turns", &turns(parameters, address_width)?);
     let fetch = Inputs::default()
@@ -104,12 +120,36 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
         .port("job_ready", job_ready.wire())
         .port("beat_ready", beat_ready)
         .port("can_send", can_send.wire())
+        .ports(overflowed.map(|forward| named("overflowed", forward.wire())))
         .place(m, "u_beats", &beats(parameters)?);
     take.drive(beats.port("take"));
     failed.drive(beats.port("failed"));
     block_context.drive(beats.port("context"));
     list_valid.drive(beats.port("list_valid"));
     list_half.drive(beats.port("index").bit(0));
+    if let (Some([tested, inside, child]), Some(overflowed)) = (tested, overflowed) {
+        m.section("The nodes of trees");
+        let branches = Inputs::default()
+            .port("sent", beats.port("node_sent"))
+            .port("context", beats.port("context"))
+            .port("first", words[14].1.wire())
+            .port("is_leaf", words[15].1.wire().bit(0))
+            .port("is_keys", beats.port("is_keys"))
+            .port("is_last", beats.port("index").bit(0))
+            .port("valid", tested)
+            .port("inside", inside)
+            .port("child", child)
+            .port("enter", turns.port("entered"))
+            .port("enter_context", turns.port("entered_context"))
+            .port("read", turns.port("picks"))
+            .port("read_context", turns.port("picked_context"))
+            .port("pop", turns.port("pops"))
+            .port("pop_context", turns.port("own_context"))
+            .place(m, "u_branches", &branches(parameters)?);
+        branch.iter().for_each(|(forward, name)| forward.drive(branches.port(name)));
+        overflowed.drive(branches.port("overflowed"));
+        m.section("Ranks");
+    }
     let [limits, filter_takes] = ["limits", "filter_takes"].map(|name| forward(name, 1));
     let (limit_context, limit) = (forward("limit_context", width), forward("limit", 64));
     let ranks = Inputs::default()
@@ -184,6 +224,13 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
     }
     m.output("beat_is_last_o", beats.port("is_last"));
     m.output("beat_is_angular_o", beats.port("is_angular"));
+    if has_trees {
+        m.output("beat_is_node_o", beats.port("is_node"));
+        m.output("beat_is_keys_o", beats.port("is_keys"));
+        beats.under("node").into_iter().filter(|(name, _)| name != "sent").for_each(|(name, wire)| {
+            m.output(&format!("beat_node_{name}_o"), wire);
+        });
+    }
     m.output("is_idle_o", turns.port("is_idle"));
     builder.finish()
 }

@@ -22,7 +22,7 @@ impl<'m> Settings<'m> {
         let (low, high) = (|k: usize| words[k].lower(16), |k: usize| words[k].upper(16));
         let most = |wire: Wire<'m>, most: u32| !m.constant(wire.width(), most.into()).less(wire);
         let place = words[0].lower(4);
-        let [is_list, is_graph] = [place.any(), place.is(2)];
+        let [is_list, is_graph, is_tree] = [place.any(), place.is(2), place.upper(3).is(2)];
         let elements = words[0].bits(9, 8);
         let dimensions = low(1).lower(13);
         let blocks = |shift: u32| {
@@ -35,7 +35,7 @@ impl<'m> Settings<'m> {
         let scale = words[12];
         let of_graph = is_aligned(8) & !high(7).any() & !candidates.less(k) & most(candidates, parameters.candidates);
         let holds = [
-            most(place, 2),
+            if parameters.trees > 0 { most(place, 2) | is_tree } else { most(place, 2) },
             most(words[0].bits(7, 4), 2),
             most(words[0].bits(11, 8), 2),
             !words[0].bits(15, 12).any(),
@@ -49,15 +49,20 @@ impl<'m> Settings<'m> {
             !scale.top() & scale.any() & !scale.bits(30, 23).all(),
             !m.concat(&[words[13].any(), words[14].any(), words[15].any()]).any(),
         ];
+        let mut holds = holds.to_vec();
+        if parameters.trees > 0 {
+            let len_holds = place.bit(0).mux(!words[7].any(), !high(7).any());
+            holds.push(!is_tree | (!elements.any() & most(low(1), 3) & len_holds));
+        }
         Self { words, parameters, refused: (!m.concat(&holds).all()).named("is_refused"), blocks }
     }
 
     /// What turns need of it.
     pub fn kept(&self) -> Named<'m> {
-        let Self { words, refused, blocks, .. } = self;
+        let Self { words, parameters, refused, blocks } = self;
         let block = |k: usize| words[k].upper(BLOCK_BITS);
         let named_words = [
-            ("place", words[0].lower(2)),
+            ("place", words[0].lower(2 + parameters.trees)),
             ("cosine", words[0].bit(5)),
             ("refused", *refused),
             ("blocks", *blocks),

@@ -2,11 +2,12 @@
 
 use super::super::connect::{Access, hold, keep, named};
 use super::super::scheduler::{after_last, lowest};
+use super::branches::{BRANCH, OfTurn, Visit};
 use super::bursts::{Asked, BURST_COLUMNS, Lookup, Sweep, bursts};
 use super::fetch::COUNT_BITS;
 use super::job::Settings;
 use super::wiring::{BLOCK_BITS, Burst, WORDS, bit_of, context_bits, number_of, one_hot, when};
-use crate::search::SearchParameters;
+use crate::search::{NODE_BLOCKS, SearchParameters};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
@@ -29,6 +30,8 @@ pub enum Phase {
     Neighbours,
     /// The neighbours of the candidate that the list has named.
     Expand,
+    /// The children of the branch of a tree that came last.
+    Visit,
 }
 
 const PHASE_BITS: u32 = 3;
@@ -49,7 +52,9 @@ impl Phase {
 /// number, and it is over where `release_i` is 1. Searches that can go on take turns: in each, one asks for what comes
 /// next in it, at most 16 vectors, as bursts (`burst_…_o`) that leave where `burst_ready_i` is 1. It can go on when its
 /// job was loaded (`load_i`, with its words), when a block of its list has arrived (`list_valid_i`), when the list of
-/// candidates has named one to expand (`expands_i`), and after a turn of a scan that is not at its end.
+/// candidates has named one to expand (`expands_i`), after a turn of a scan that is not at its end, and, in a unit with
+/// trees, when the last outcome of a branch has come (`visited_i`). The branch that is next (`next_…_i`) is read where
+/// `picks_o` is 1, and leaves where `pops_o` is 1, before an outcome of its nodes can come.
 ///
 /// The job's settings for the list of candidates and for results are outputs, valid with the words of the job.
 pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Module>, Error> {
@@ -67,6 +72,11 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let words: Vec<Wire<'_>> = (0..WORDS).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
     let expanded = m.input("expands_index_i", BLOCK_BITS);
     let failed = m.input("failed_i", contexts);
+    let has_trees = parameters.trees > 0;
+    let tree = has_trees.then(|| {
+        let branch = BRANCH.map(|(name, width)| m.input(&format!("next_{name}_i"), width));
+        (event("visited", "visited_context"), branch, m.input("next_is_there_i", 1))
+    });
     let burst_ready = m.input("burst_ready_i", 1);
 
     m.section("Searches that enter, each with a memory of compared indices that is empty");
@@ -97,6 +107,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     runs.next(picks | (runs.wire() & !ends.wire()));
     context.next_when(picks, next_context);
     let comes = when(enters, free) | at(load) | at(list) | at(expands) | when(again.wire(), own);
+    let comes = tree.map_or(comes, |(visited, ..)| comes | at(visited));
     waits.next((waits.wire() | comes) & !picked);
     is_new.next((is_new.wire() | when(enters, free)) & !picked);
     let is_first = m.register("is_first_q", 1);
@@ -147,14 +158,30 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let zero = m.constant(32, 0);
     let [is_step_0, is_step_1, is_last_step] = [0, 1, PER_TURN - 1].map(|k| step.is(k));
     let [is_scan, is_graph] = [("is_scan", 0), ("is_graph", 2)].map(|(name, k)| of_job("place").is(k).named(name));
+    let no = m.constant(1, 0);
+    let is_tree = if has_trees { of_job("place").bit(2).named("is_tree") } else { no };
 
     m.section("The end of a list, and of a search");
     let spent = when(!begins, state[3].1).named("spent");
-    let expands_next = (is_graph & spent.less(of_job("expansions"))).named("expands_next");
+    let may_expand = spent.less(of_job("expansions"));
+    let expands_next = (is_graph & may_expand).named("expands_next");
+    let visit = tree.map_or_else(
+        || Visit::none(m),
+        |(_, [first, children, is_leaf], is_there)| {
+            let (visits, is_keys) = (is(Phase::Visit, "visits"), !of_job("place").bit(0));
+            Visit::of_branch(
+                m,
+                [first, children, is_leaf, is_there],
+                &OfTurn { visits, step, is_keys, has_failed, may_expand },
+            )
+        },
+    );
     let first_len = is_graph.mux(of_job("entry_count"), of_job("len")).named("first_len");
     let first_list = is_graph.mux(of_job("entries"), of_job("list"));
     let is_decided = (begins & !is_step_0 & !is_step_1).named("is_decided");
-    let is_empty = is_scan.mux(of_job("count"), first_len).is(0).named("is_empty");
+    let is_empty = is_scan.mux(of_job("count"), first_len).is(0) & !is_tree;
+    let is_empty = is_empty.named("is_empty");
+    let is_root = is_decided & is_tree;
     let is_through =
         (in_list & !is_step_0 & left.lower(5).equals(step - m.constant(STEP_BITS, 1)) & !left.upper(27).any())
             .named("is_through");
@@ -163,25 +190,30 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
         (is_through | (expands_one & of_job("len").is(0)) | (is_decided & is_empty & !is_scan)).named("ends_list");
     let ends_scan = ((scans & (left.is(0) | has_failed)) | (is_decided & is_empty & is_scan)).named("ends_scan");
     let expand = (ends_list & expands_next).named("expand");
-    let drain = (stops | ends_scan | (ends_list & !expands_next)).named("drain");
+    let drain = (stops | ends_scan | (ends_list & !expands_next) | visit.drains).named("drain");
     let marks = (expand | drain).named("marks");
 
     m.section("What is asked for");
-    let asks_list =
-        ((in_list & is_step_0 & m.constant(32, PER_TURN).less(left)) | (is_decided & !is_scan) | expands_one) & !marks;
+    let begins_list = is_decided & !is_scan & !is_tree;
+    let asks_list = ((in_list & is_step_0 & m.constant(32, PER_TURN).less(left)) | begins_list | expands_one) & !marks;
     let asks_list = asks_list.named("asks_list");
-    let compares = (in_list & !is_step_0 & !is_through).named("compares");
     let asks_vector = (scans & !ends_scan).named("asks_vector");
+    // The vectors of a tree may be behind the last one.
+    let of_list = in_list & !is_step_0 & !is_through;
+    let compares = (of_list | visit.asks_vector | (asks_vector & is_tree)).named("compares");
+    let asks_node = visit.asks_node | is_root;
     let is_norm = (begins & is_step_1).named("is_norm");
     let asks_query = (begins & ((is_step_0 & !stops) | (is_step_1 & of_job("cosine")))).named("asks_query");
-    let asks = (is_enter | asks_query | asks_list | compares | asks_vector | marks).named("asks");
+    let asks = (is_enter | asks_query | asks_list | compares | asks_vector | asks_node | marks).named("asks");
     let list_number = in_list.mux(number + one, zero).named("list_number");
     let place = step.lower(4) - m.constant(4, 1);
-    let compared = place.select(&list_words).named("compared");
+    let compared = visit.asks_vector.mux(visit.index, (asks_vector & is_tree).mux(number, place.select(&list_words)));
+    let compared = compared.named("compared");
     let kind = [
         (expand, Burst::Expand),
         (drain, Burst::Drain),
         (asks_list, Burst::List),
+        (asks_node, Burst::Node),
         (is_enter, Burst::Job),
         (asks_query & !is_norm, Burst::Query),
         (asks_query, Burst::Norm),
@@ -191,48 +223,64 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
         .rev()
         .fold(Burst::Vector.wire(m), |rest, (is, burst)| is.mux(burst.wire(m), rest))
         .named("kind");
-    let index = compares.mux(compared, asks_list.mux(list_number, number)).named("index");
+    // The lowest bit of a node's says whether it is the last of its branch.
+    let of_node = (visit.is_last | is_root).extend(32);
+    let index = compares.mux(compared, asks_list.mux(list_number, asks_node.mux(of_node, number))).named("index");
     let is_neighbours = (expands_one | in_neighbours).named("is_neighbours");
     let base = [
         (is_enter, of_enter[0].1),
         (asks_query, of_job("query")),
         (asks_list, is_neighbours.mux(of_job("list"), first_list)),
+        (asks_node, of_job("list")),
     ];
     let base = base.into_iter().fold(of_job("vectors"), |rest, (is, base)| is.mux(base, rest)).named("base");
     let of_vector = when(compares | asks_vector, index.lower(BLOCK_BITS));
-    let of_list = when(is_neighbours, candidate);
-    let factor = asks_list.mux(of_list, of_vector).named("factor");
+    let of_neighbours = when(is_neighbours, candidate);
+    let factor = asks_list.mux(of_neighbours, of_vector | when(visit.asks_node, visit.index.lower(BLOCK_BITS)));
+    let factor = factor.named("factor");
     let len = of_job("len");
     let list_stride = (len.bits(16, 4) + len.lower(4).any().extend(13)).extend(BLOCK_BITS);
-    let stride = asks_list.mux(list_stride, of_job("stride")).named("stride");
+    let node_blocks = u64::from(NODE_BLOCKS);
+    let stride = asks_node.mux(m.constant(BLOCK_BITS, node_blocks), of_job("stride"));
+    let stride = asks_list.mux(list_stride, stride).named("stride");
     let offset = when(asks_list, list_number.lower(BLOCK_BITS));
     let is_one = is_enter | asks_list;
-    let blocks = is_one.mux(m.constant(COUNT_BITS, 1), of_job("blocks"));
+    let blocks =
+        is_one.mux(m.constant(COUNT_BITS, 1), asks_node.mux(m.constant(COUNT_BITS, node_blocks), of_job("blocks")));
 
     m.section("The end of the turn");
-    let is_last_in_list = (compares & step.is(PER_TURN) & m.constant(32, PER_TURN).less(left)).named("is_last_in_list");
-    let ends_turn =
-        [marks, is_enter, asks_list & !in_list, is_decided & is_scan, asks_vector & is_last_step, is_last_in_list];
+    let is_last_in_list = (of_list & step.is(PER_TURN) & m.constant(32, PER_TURN).less(left)).named("is_last_in_list");
+    let ends_turn = [
+        marks | is_root | visit.ends,
+        is_enter,
+        asks_list & !in_list,
+        is_decided & is_scan,
+        asks_vector & is_last_step,
+        is_last_in_list,
+    ];
     let ends_turn = m.concat(&ends_turn).any().named("ends_turn");
     ends.drive(runs.wire() & moves.wire() & ends_turn);
-    again.drive(ends.wire() & !marks & (asks_vector | (is_decided & is_scan)));
+    let goes_on = asks_vector | (is_decided & is_scan) | (visit.ends & !visit.expands);
+    again.drive(ends.wire() & !marks & goes_on);
     let phases = [
         (is_enter, Phase::Begin),
         (is_decided, Phase::List),
         (is_decided & is_scan, Phase::Scan),
         (expands_one, Phase::Neighbours),
         (expand, Phase::Expand),
+        (is_root, Phase::Visit),
+        (visit.scans, Phase::Scan),
     ];
     let next_phase = phases.into_iter().fold(phase, |rest, (is, phase)| is.mux(phase.wire(m), rest));
-    let next_number = asks_vector.mux(number + one, list_number);
+    let next_number = asks_vector.mux(number + one, visit.scans.mux(visit.index, list_number));
     let lefts = [
         (asks_vector, left - one),
         (in_list, left - m.constant(32, PER_TURN)),
-        (expands_one, len),
+        (expands_one | visit.scans, len),
         (is_decided, is_scan.mux(of_job("count"), first_len)),
     ];
     let next_left = lefts.into_iter().fold(left, |rest, (is, left)| is.mux(left, rest));
-    let next_spent = spent + expand.extend(32);
+    let next_spent = spent + (expand | visit.expands).extend(32);
     next.iter().zip([next_phase, next_number, next_left, next_spent]).for_each(|(forward, wire)| forward.drive(wire));
     number_q.next_when(moves.wire(), scans.mux(next_number, number));
     left_q.next_when(moves.wire(), scans.mux(next_left, left));
@@ -248,6 +296,12 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     m.output("is_idle_o", !in_use.wire().any());
     m.output("burst_valid_o", queue.port("valid"));
     BURST_COLUMNS.iter().for_each(|name| m.output(&format!("burst_{name}_o"), queue.port(name)));
+    if has_trees {
+        m.output("picks_o", picks);
+        m.output("picked_context_o", next_context);
+        m.output("pops_o", moves.wire() & visit.begins);
+        m.output("own_context_o", context.wire());
+    }
     job.outputs(m);
     builder.finish()
 }

@@ -22,6 +22,8 @@ pub enum Burst {
     Expand,
     /// A marker: the search ends.
     Drain,
+    /// A node of a tree.
+    Node,
 }
 
 /// Bits of a burst's kind.

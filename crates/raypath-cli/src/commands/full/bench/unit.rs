@@ -5,7 +5,7 @@ use crate::error::CliError;
 use raypath_model::Shape;
 use raypath_render::{Camera, Scene, builtin};
 use raypath_rtl::Config;
-use raypath_search::{Clusters, Dataset, GraphParameters, Layer, Metric, SearchMemory, UnitJobs, UnitSpec};
+use raypath_search::{Clusters, Dataset, GraphParameters, Layer, Metric, SearchMemory, UnitJobs, UnitPlace, UnitSpec};
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
 use raypath_traversal::search::{Elements, SearchMetric, SearchParameters, Searches};
 use raypath_traversal::system::{RayUser, SystemParameters, simulate};
@@ -65,7 +65,7 @@ pub fn searches(results: &mut Results, repetitions: usize, with_verilator: bool)
         elements: Elements::Binary32,
         neighbours: 10,
         bound: f32::INFINITY,
-        graph: Some((&layer, 64)),
+        place: UnitPlace::Graph(&layer, 64),
         unit: search,
     });
     let jobs = jobs.map_err(CliError::unusable)?;

@@ -58,6 +58,7 @@ pub struct Needs {
     pub neighbours: usize,
     pub candidates: usize,
     pub dimensions: usize,
+    pub has_tree: bool,
 }
 
 /// A search by jobs, and what the functional model found.
@@ -147,11 +148,12 @@ impl UnitArguments {
 impl Needs {
     /// These parameters, if they are as many as are needed.
     fn met_by(self, searches: SearchParameters) -> Result<SearchParameters, CliError> {
-        let Self { neighbours, candidates, dimensions } = self;
+        let Self { neighbours, candidates, dimensions, has_tree } = self;
         let all = [
             ("k", searches.neighbours, neighbours),
             ("m", searches.candidates, candidates),
             ("dimensions", searches.dimensions, dimensions),
+            ("trees", searches.trees, has_tree.into()),
         ];
         let problem = |(name, found, least)| format!("--search {name}={found}, expected at least {least}");
         let lacking = all.into_iter().find(|(_, found, least)| (*found as usize) < *least);
@@ -161,12 +163,13 @@ impl Needs {
     /// The parameters of a unit that has them, and blocks for this latency.
     fn parameters(self, latency: u64) -> SearchParameters {
         let default = SearchParameters::default();
-        let Self { neighbours, candidates, dimensions } = self;
+        let Self { neighbours, candidates, dimensions, has_tree } = self;
         SearchParameters {
             neighbours: default.neighbours.max(neighbours as u32),
             candidates: default.candidates.max(candidates as u32),
             dimensions: default.dimensions.max(dimensions as u32),
             blocks: blocks(latency),
+            trees: has_tree.into(),
             ..default
         }
     }
