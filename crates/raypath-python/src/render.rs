@@ -164,8 +164,7 @@ impl PyScene {
 ///     (simulated pixels), ``cycles``, ``jobs`` and the jobs of each operation, ``jobs_per_cycle``,
 ///     ``agents_per_cycle``, ``mean_latency`` (of a job, in cycles), ``fetches``, and the use of the cycles: a job was
 ///     ``accepted`` or ``refused``, or none was offered because all agents waited for memory (``starved_memory``), all
-///     for outcomes (``starved_outcomes``), some for each (``starved_both``), or another agent held an accumulator
-///     (``starved_locked``).
+///     for outcomes (``starved_outcomes``), or some for each (``starved_both``).
 ///
 /// Raises:
 ///     ValueError: an argument out of range.

@@ -62,7 +62,6 @@ pub fn figures<'py>(py: Python<'py>, timing: &Timing, system: &System) -> PyResu
         "starved_memory": timing.starved.memory,
         "starved_outcomes": timing.starved.outcomes,
         "starved_both": timing.starved.both,
-        "starved_locked": timing.starved.locked,
     )?;
     row.update(rest.as_mapping())?;
     Ok(row)

@@ -147,7 +147,7 @@ fn run_late(traversal: &mut Traversal, rules: Rules) -> u64 {
     loop {
         match Agent::<Functional>::next_action(traversal) {
             Action::Fetch => fetches += 1,
-            Action::Issue { job, .. } => pending.push_back(job),
+            Action::Issue(job) => pending.push_back(job),
             Action::Wait => Agent::<Functional>::receive(traversal, &datapath.run(&pending.pop_front().unwrap())),
             Action::Done => {
                 assert!(pending.is_empty());

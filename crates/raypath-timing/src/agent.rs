@@ -23,14 +23,7 @@ pub enum Action<J> {
     /// Read memory. The next action follows `memory_latency` cycles later.
     Fetch,
     /// Issue a job to the datapath.
-    Issue {
-        /// The job.
-        job: J,
-        /// Whether the agent locks the datapath until its next job is accepted, so that the beats of one vector reach
-        /// the accumulator without a beat of another agent in between. The agent may fetch or wait while it has the
-        /// lock, but must issue another job before it is done.
-        lock: bool,
-    },
+    Issue(J),
     /// Wait for the next outcome.
     Wait,
     /// Nothing more to do. The agent still receives outstanding outcomes and occupies its slot until then.

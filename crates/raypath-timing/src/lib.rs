@@ -27,7 +27,7 @@
 //!
 //! let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY)?;
 //! let job = Job::Quadbox(RayBoxInput { ray, aabb: [Aabb::new([-1.0; 3], [1.0; 3]); 4] });
-//! let actions = [Action::Fetch, Action::Issue { job, lock: false }, Action::Wait];
+//! let actions = [Action::Fetch, Action::Issue(job), Action::Wait];
 //! let agents = (0..10).map(|_| Visit { actions: actions.to_vec().into_iter() });
 //!
 //! let environment = Environment { in_flight: 1, memory_latency: 100, ..Environment::default() };

@@ -23,14 +23,6 @@ pub enum SimulationError {
         /// The cycle.
         cycle: u64,
     },
-    /// An agent was done while it had locked the datapath.
-    #[error("agent {agent} is done in cycle {cycle}, but has locked the datapath for its next job")]
-    LockKept {
-        /// The number of the agent, in the order in which agents start.
-        agent: u64,
-        /// The cycle.
-        cycle: u64,
-    },
     /// The progress callback returned false.
     #[error("stopped after {agents} agents")]
     Stopped {
@@ -44,13 +36,12 @@ pub enum SimulationError {
 /// The arbiter is a first-in, first-out queue: it issues one job a cycle, in the order in which the agents had them,
 /// and a refused job stays at the head. Among agents that get a job in the same cycle, those whose fetch completed come
 /// first (in the order of their fetches), then the agent that received an outcome in the previous cycle, then the agent
-/// whose job was accepted in the previous cycle. An agent that has [locked](Action::Issue) the datapath goes first. An
-/// agent that takes over a slot starts in the cycle in which the previous one was done; at the start, the slots are
-/// filled one after another.
+/// whose job was accepted in the previous cycle. An agent that takes over a slot starts in the cycle in which the
+/// previous one was done; at the start, the slots are filled one after another.
 ///
 /// # Errors
-/// An environment without slots or with an invalid sink, an agent that waits without an outstanding job or is done
-/// while it has locked the datapath, and a stop by `progress`. Agents that fetch forever are not detected.
+/// An environment without slots or with an invalid sink, an agent that waits without an outstanding job, and a stop by
+/// `progress`. Agents that fetch forever are not detected.
 pub fn simulate<M: Model<Kind = JobKind>, A: Agent<M>>(
     agents: impl IntoIterator<Item = A>,
     environment: &Environment,
@@ -83,7 +74,6 @@ pub fn simulate<M: Model<Kind = JobKind>, A: Agent<M>>(
         fetching: VecDeque::new(),
         queue: VecDeque::new(),
         inside: VecDeque::new(),
-        lock_owner: None,
         timing: Timing::default(),
     };
     simulation.run(environment.in_flight, observer)
@@ -108,12 +98,10 @@ struct Simulation<'p, M: Model, A, I> {
     waiting: usize,
     /// The cycles in which fetches complete, in order because the latency is constant, and the slots of their agents.
     fetching: VecDeque<(u64, usize)>,
-    /// Slots with a job to issue, without the owner of the lock.
+    /// Slots with a job to issue.
     queue: VecDeque<usize>,
     /// The slots to which the jobs inside the pipeline belong, and the cycles of acceptance, oldest first.
     inside: VecDeque<(usize, u64)>,
-    /// The slot that has locked the datapath.
-    lock_owner: Option<usize>,
     timing: Timing,
 }
 
@@ -122,16 +110,9 @@ struct Slot<M: Model, A> {
     number: u64,
     /// Jobs without an outcome.
     outstanding: usize,
-    /// The job to issue.
-    job: Option<QueuedJob<M::Job>>,
+    /// The job to issue, and the cycle in which the agent issued it.
+    job: Option<(M::Job, u64)>,
     waits_for: WaitsFor,
-}
-
-struct QueuedJob<J> {
-    job: J,
-    lock: bool,
-    /// The cycle in which the agent issued it.
-    since: u64,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -166,10 +147,7 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
             if self.live == 0 {
                 return Ok(Timing { cycles: self.now, ..self.timing });
             }
-            let offering = match self.lock_owner {
-                Some(owner) => Some(owner).filter(|owner| self.slots[*owner].job.is_some()),
-                None => self.queue.front().copied(),
-            };
+            let offering = self.queue.front().copied();
             let skipped = if offering.is_none() { self.skip_idle(observer)? } else { 0 };
             if skipped == 0 {
                 ready = self.clock(offering, observer);
@@ -204,18 +182,13 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
                         return Ok(());
                     }
                 }
-                Action::Issue { job: next, lock } => {
-                    *job = Some(QueuedJob { job: next, lock, since: self.now });
-                    if self.lock_owner != Some(slot) {
-                        self.queue.push_back(slot);
-                    }
+                Action::Issue(next) => {
+                    *job = Some((next, self.now));
+                    self.queue.push_back(slot);
                     return Ok(());
                 }
                 Action::Wait if *outstanding == 0 => {
                     return Err(SimulationError::Deadlock { agent: *number, cycle: self.now });
-                }
-                Action::Done if self.lock_owner == Some(slot) => {
-                    return Err(SimulationError::LockKept { agent: *number, cycle: self.now });
                 }
                 Action::Wait => {
                     self.wait(slot, WaitsFor::Outcome);
@@ -263,7 +236,7 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
         let output_valid = self.pipeline.output().is_some();
         let refused =
             output_valid && self.stalls.as_mut().is_some_and(|(rng, probability)| rng.random_bool(*probability));
-        let offer = offering.and_then(|slot| self.slots[slot].job.as_ref().map(|queued| (slot, &queued.job)));
+        let offer = offering.and_then(|slot| self.slots[slot].job.as_ref().map(|(job, _)| (slot, job)));
         if observer.next_observed(self.now) == Some(self.now) {
             let offered = offer.map(|(slot, job)| (M::kind(job).opcode(), self.slots[slot].number));
             let accepted = offered.is_some_and(|(opcode, _)| self.pipeline.input_ready(opcode));
@@ -291,13 +264,10 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
     }
 
     fn accept(&mut self, slot: usize, kind: JobKind) {
-        if self.lock_owner != Some(slot) {
-            self.queue.pop_front();
-        }
+        self.queue.pop_front();
         let Slot { outstanding, job, .. } = &mut self.slots[slot];
         *outstanding += 1;
-        let (lock, since) = job.take().map_or((false, self.now), |queued| (queued.lock, queued.since));
-        self.lock_owner = lock.then_some(slot);
+        let since = job.take().map_or(self.now, |(_, since)| since);
         self.inside.push_back((slot, self.now));
         self.timing.accepted += 1;
         self.timing.jobs[kind as usize] += 1;
@@ -323,11 +293,10 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
     /// Counts cycles without an offered job by their cause.
     fn count_starved(&mut self, cycles: u64) {
         let starved = &mut self.timing.starved;
-        let count = match (self.queue.is_empty(), self.fetching.is_empty(), self.waiting == 0) {
-            (false, ..) => &mut starved.locked,
-            (true, false, false) => &mut starved.both,
-            (true, false, true) => &mut starved.memory,
-            (true, true, _) => &mut starved.outcomes,
+        let count = match (self.fetching.is_empty(), self.waiting == 0) {
+            (false, false) => &mut starved.both,
+            (false, true) => &mut starved.memory,
+            (true, _) => &mut starved.outcomes,
         };
         *count += cycles;
     }

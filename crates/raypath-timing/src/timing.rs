@@ -39,8 +39,6 @@ pub struct Starved {
     pub outcomes: u64,
     /// Some agents were waiting for memory, the others for outcomes.
     pub both: u64,
-    /// An agent had a job, but another agent had locked the datapath and was waiting.
-    pub locked: u64,
 }
 
 /// Rates of a simulation at a clock frequency.
@@ -101,6 +99,6 @@ impl Timing {
 impl Starved {
     /// The sum over all causes.
     pub fn total(&self) -> u64 {
-        self.memory + self.outcomes + self.both + self.locked
+        self.memory + self.outcomes + self.both
     }
 }

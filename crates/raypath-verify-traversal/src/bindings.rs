@@ -348,6 +348,22 @@ pub fn list(_: &Setting, module: &Module) -> String {
     text + &format!("  wire [W+B-1:0] p_read = {read}, p_written = {written};\n  wire p_reads = {reads};\n")
 }
 
+/// The branches of a search: how many there are, `p_count`, and the word at one address of their memory, `p_stored` at
+/// `p_slot`. Contexts have W bits.
+pub fn branches(setting: &Setting, module: &Module) -> String {
+    let width = module.port_width("context_i").unwrap_or(1);
+    let mut text = format!("  localparam int W = {width};\n");
+    let [slot, stored] =
+        [("slot", width + 5), ("word_q", 37)].map(|(name, bits)| seen(&mut text, &format!("u_branches.{name}"), bits));
+    let contexts = setting.unit.parameters.search.0.map_or(1, |search| search.contexts);
+    let counts =
+        (1..contexts).fold("count_0_q".to_string(), |rest, k| format!("p_context == {k} ? count_{k}_q : {rest}"));
+    text + &format!(
+        "  (* anyconst *) logic [W-1:0] p_context;\n  wire [5:0] p_count = {counts};\n  \
+         wire [W+4:0] p_slot = {slot};\n  wire [36:0] p_stored = {stored};\n"
+    )
+}
+
 /// The memory of compared indices: the word at one address of it, `p_stored` at `p_slot`, and the word that was read,
 /// `p_shown`. Contexts have W bits, and the numbers of sets S.
 pub fn compared(setting: &Setting, module: &Module) -> String {

@@ -257,6 +257,12 @@ claims! {
         best: "chosen     = can_expand & (~can_expand + 16'd1)" => "chosen     = can_expand";
         in_order: "restarts ? 4'd0 : place_q + 4'd1" => "restarts ? 4'd0 : place_q + 4'd2";
     }
+    "raypath_search_branches" in Searches: include_str!("properties/branches.sv"),
+        None, branches; "p_is_own_q && p_place == 1 && next_is_leaf_o"; {
+        last: "read_count[4:0] - 5'd1" => "read_count[4:0]";
+        last: "branches & ~count[5]" => "branches";
+        last: "takes[1] | adds[1]" => "adds[1]";
+    }
     "raypath_search_turns" in Searches: include_str!("properties/compared.sv"),
         None, compared; "has_burst_q && skips && p_asked_q && p_own && burst_index_q == p_index && !burst_is_outside_q"; {
         nothing_lost: "burst_is_compared_q & (burst_is_outside_q | is_known)" => "burst_is_compared_q";

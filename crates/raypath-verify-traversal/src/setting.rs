@@ -66,7 +66,8 @@ impl Variant {
             Self::Eight => NodeKind::Wide8,
         };
         let least = SearchParameters { neighbours: 4, candidates: 32, contexts: 2, dimensions: 32, blocks: 16, ..FEW };
-        let searches = if parameters.contexts == LEAST.contexts { least } else { SearchParameters::default() };
+        let more = SearchParameters { trees: 1, ..SearchParameters::default() };
+        let searches = if parameters.contexts == LEAST.contexts { least } else { more };
         let search = Searches((self == Self::Searches).then_some(searches));
         UnitParameters { step: StepParameters { node, features, ..parameters.step }, search, ..parameters }
     }

@@ -78,7 +78,6 @@ class _Timing(TypedDict):
     starved_memory: int
     starved_outcomes: int
     starved_both: int
-    starved_locked: int
 
 class _UnitParameters(TypedDict):
     contexts: int
@@ -1440,8 +1439,7 @@ def render(
         (simulated pixels), ``cycles``, ``jobs`` and the jobs of each operation, ``jobs_per_cycle``,
         ``agents_per_cycle``, ``mean_latency`` (of a job, in cycles), ``fetches``, and the use of the cycles: a job was
         ``accepted`` or ``refused``, or none was offered because all agents waited for memory (``starved_memory``), all
-        for outcomes (``starved_outcomes``), some for each (``starved_both``), or another agent held an accumulator
-        (``starved_locked``).
+        for outcomes (``starved_outcomes``), or some for each (``starved_both``).
 
     Raises:
         ValueError: an argument out of range.

@@ -223,7 +223,7 @@ impl<const E: usize, const A: usize> Agent<Functional<E, A>> for Traversal<'_> {
             Request::Wait => return Action::Wait,
             Request::Done => return Action::Done,
         };
-        Action::Issue { job, lock: false }
+        Action::Issue(job)
     }
 
     /// Distance outcomes are ignored: the traversal does not issue distance jobs.

@@ -50,7 +50,7 @@ impl Agent<Functional> for Walk {
             (false, true) => JobKind::Quadbox,
             (false, false) => JobKind::Triangle,
         };
-        Action::Issue { job: Job::from_ports(kind, |_| 0), lock: self.beats > 0 }
+        Action::Issue(Job::from_ports(kind, |_| 0))
     }
     fn receive(&mut self, _: &Outcome) {
         if self.waits {

@@ -67,8 +67,6 @@ fn invalid_agents_and_environments_are_errors() {
     assert_eq!(error(waits, &environment(2, 30)), Some(SimulationError::Deadlock { agent: 1, cycle: 30 }));
     let twice = vec![vec![issue(Quadbox, 0), Action::Wait, Action::Wait]];
     assert_eq!(error(twice, &environment(2, 30)), Some(SimulationError::Deadlock { agent: 0, cycle: 13 }));
-    let lock = vec![vec![Action::Issue { job: Tag(Angular, 0), lock: true }]];
-    assert_eq!(error(lock, &environment(2, 30)), Some(SimulationError::LockKept { agent: 0, cycle: 1 }));
     assert_eq!(error(Vec::new(), &environment(0, 30)), Some(SimulationError::NoSlots));
     for probability in [1.0, -0.1, f64::INFINITY, f64::NAN] {
         let sink = Sink::Stalls { probability, seed: 0 };

@@ -75,5 +75,5 @@ impl Observer for Cycles {
 }
 
 pub fn issue(kind: JobKind, number: u64) -> Action<Tag> {
-    Action::Issue { job: Tag(kind, number), lock: false }
+    Action::Issue(Tag(kind, number))
 }

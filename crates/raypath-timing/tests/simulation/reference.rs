@@ -3,28 +3,26 @@
 use crate::simulation::common::{Echo, Script, Tag, echo};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
-use raypath_ops::{Beat, BeatInput, Binary32, Job, JobKind, Outcome, Rules};
+use raypath_model::{Control, CycleModel, Functional, Shape};
+use raypath_ops::{Job, JobKind, Outcome, Rules};
 use raypath_timing::report::Recorder;
-use raypath_timing::{Action, Agent, Environment, Sink, simulate};
+use raypath_timing::{Action, Environment, Sink, simulate};
 use std::collections::VecDeque;
 
 /// Random actions without deadlock: the agent waits only while an outcome is outstanding.
 fn random_actions<J>(rng: &mut ChaCha8Rng, length: usize, mut job: impl FnMut(&mut ChaCha8Rng) -> J) -> Vec<Action<J>> {
     let (mut actions, mut issued, mut waited) = (Vec::new(), 0, 0);
-    let mut lock = false;
-    while actions.len() < length || lock {
+    while actions.len() < length {
         actions.push(match rng.random_range(0..4) {
             0 => Action::Fetch,
             // At most one wait for each job, directly after it, so that its outcome is certainly outstanding.
-            1 if issued > waited && matches!(actions.last(), Some(Action::Issue { .. })) => {
+            1 if issued > waited && matches!(actions.last(), Some(Action::Issue(_))) => {
                 waited = issued;
                 Action::Wait
             }
             _ => {
                 issued += 1;
-                lock = actions.len() < length && rng.random_bool(0.2);
-                Action::Issue { job: job(rng), lock }
+                Action::Issue(job(rng))
             }
         });
     }
@@ -38,8 +36,8 @@ fn reference(agents: &[Vec<Action<Tag>>], in_flight: usize, memory: u64, latency
     enum State {
         /// May act in this cycle.
         Acts(u64),
-        /// Has a job: its number in the queue, the job, and whether it locks the datapath.
-        Queued(u64, Tag, bool),
+        /// Has a job: its number in the queue, and the job.
+        Queued(u64, Tag),
         Waiting,
         Finishing,
         Empty,
@@ -57,7 +55,7 @@ fn reference(agents: &[Vec<Action<Tag>>], in_flight: usize, memory: u64, latency
     let new_slot = |rank| Slot { number: None, action: 0, state: State::Acts(0), outstanding: 0, rank };
     let mut slots: Vec<Slot> = (0..in_flight as u64).map(|slot| new_slot((3, slot))).collect();
     let (mut inside, mut entries) = (VecDeque::<(usize, u64)>::new(), Vec::new());
-    let (mut queue_number, mut fetch_number, mut lock_owner) = (0, 0, None::<usize>);
+    let (mut queue_number, mut fetch_number) = (0, 0);
     for now in 0.. {
         // Agents act in the order of their ranks.
         loop {
@@ -75,8 +73,8 @@ fn reference(agents: &[Vec<Action<Tag>>], in_flight: usize, memory: u64, latency
                     slot.rank = if memory == 0 { slot.rank } else { (0, fetch_number) };
                     fetch_number += 1;
                 }
-                Action::Issue { job, lock } => {
-                    slot.state = State::Queued(queue_number, job, lock);
+                Action::Issue(job) => {
+                    slot.state = State::Queued(queue_number, job);
                     queue_number += 1;
                 }
                 Action::Wait => slot.state = State::Waiting,
@@ -96,7 +94,7 @@ fn reference(agents: &[Vec<Action<Tag>>], in_flight: usize, memory: u64, latency
             _ => None,
         };
         let offering = (0..slots.len())
-            .filter(|index| queue_number_of(&slots[*index]).is_some() && lock_owner.is_none_or(|owner| owner == *index))
+            .filter(|index| queue_number_of(&slots[*index]).is_some())
             .min_by_key(|index| queue_number_of(&slots[*index]));
         // The outcome of an older job precedes the acceptance of a new one.
         if inside.front().is_some_and(|(_, completion)| *completion <= now)
@@ -110,12 +108,11 @@ fn reference(agents: &[Vec<Action<Tag>>], in_flight: usize, memory: u64, latency
             }
         }
         if let Some(index) = offering
-            && let State::Queued(_, job, lock) = slots[index].state
+            && let State::Queued(_, job) = slots[index].state
         {
             slots[index].outstanding += 1;
             slots[index].state = State::Acts(now + 1);
             slots[index].rank = (2, 0);
-            lock_owner = lock.then_some(index);
             inside.push_back((index, now + latency));
             entries.push((now, job.1));
         }
@@ -179,64 +176,10 @@ fn outcomes_equal_those_of_the_functional_model_for_each_agent_alone() {
         simulate(agents.iter_mut(), &environment, pipeline, &mut (), &|_| true).expect("runs");
         for (agent, plan) in agents.iter().zip(&plans) {
             let mut alone = Functional::new(Rules::Paper);
-            let jobs =
-                plan.iter().filter_map(|action| if let Action::Issue { job, .. } = action { Some(job) } else { None });
+            let jobs = plan.iter().filter_map(|action| if let Action::Issue(job) = action { Some(job) } else { None });
             let expected: Vec<Outcome> = jobs.map(|job| alone.run(job)).collect();
             assert_eq!(agent.outcomes, expected);
             assert!(agent.actions.is_empty());
         }
-    }
-}
-
-/// Vectors of integers from many concurrent agents that fetch and wait between their beats. The sums are exact only if
-/// the lock keeps out the beats of other agents.
-#[test]
-fn beats_of_locked_vectors_do_not_interleave() {
-    /// A query of several vectors. The last beat of each vector resets the accumulator and releases the lock.
-    struct Query {
-        actions: VecDeque<Action<Job>>,
-        sums: Vec<f32>,
-    }
-    impl Agent<Functional> for Query {
-        fn next_action(&mut self) -> Action<Job> {
-            self.actions.pop_front().unwrap_or(Action::Done)
-        }
-        fn receive(&mut self, outcome: &Outcome) {
-            let Outcome::Euclidean(output) = outcome else { panic!("{outcome:?}") };
-            if output.euclidean_reset_accum.into() {
-                self.sums.push(output.euclidean_accumulator.into());
-            }
-        }
-    }
-    let loops = vec![Loop { opcode: JobKind::Euclidean.opcode(), first: 9, last: 10 }];
-    for control in [Control::Skid, Control::Credit] {
-        let rng = &mut ChaCha8Rng::seed_from_u64(7);
-        let (mut queries, mut expected) = (Vec::new(), Vec::new());
-        for _ in 0..60 {
-            let (mut actions, mut sums) = (VecDeque::new(), Vec::new());
-            for _ in 0..10 {
-                let vector: Vec<i32> = (0..rng.random_range(1..90)).map(|_| rng.random_range(-9..=9)).collect();
-                sums.push(vector.iter().map(|x| (x - 1) * (x - 1)).sum::<i32>() as f32);
-                let numbers: Vec<f32> = vector.iter().map(|x| *x as f32).collect();
-                let ones = vec![1.0; numbers.len()];
-                for beat in Beat::<Binary32, 16>::of(&numbers, &ones).expect("beats") {
-                    let lock = !bool::from(beat.reset_accum);
-                    actions.push_back(Action::Issue { job: Job::Euclidean(BeatInput { euclidean: beat }), lock });
-                    actions.extend([Action::Fetch].into_iter().filter(|_| rng.random_bool(0.2)));
-                }
-                if matches!(actions.back(), Some(Action::Issue { .. })) {
-                    actions.push_back(Action::Wait);
-                }
-            }
-            queries.push(Query { actions, sums: Vec::new() });
-            expected.push(sums);
-        }
-        let environment =
-            Environment { in_flight: 16, memory_latency: 9, sink: Sink::Stalls { probability: 0.1, seed: 3 } };
-        let shape = Shape { latency: 13, control, interval: 1, loops: loops.clone() };
-        let pipeline = CycleModel::new(Functional::new(Rules::Paper), &shape);
-        let timing = simulate(queries.iter_mut(), &environment, pipeline, &mut (), &|_| true).expect("runs");
-        assert!(queries.iter().map(|query| &query.sums).eq(&expected), "{control:?}");
-        assert!(timing.starved.locked > 100, "{timing:?}");
     }
 }

@@ -52,7 +52,8 @@ pub fn branches(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let wires: Vec<Wire<'_>> = counts.iter().map(|count| count.wire()).collect();
     let (count, read_count) = (context.select(&wires).named("count"), read.1.select(&wires).named("read_count"));
     let pushes = (branches & !count.top()).named("pushes");
-    let (adds, takes, clears) = (at((pushes, context)), at(pop), at(enter));
+    let [adds, takes, clears] =
+        [("adds", (pushes, context)), ("takes", pop), ("clears", enter)].map(|(name, access)| at(access).named(name));
     for (k, register) in (0..).zip(counts) {
         let step = m.concat(&[takes.bit(k).replicate(place_bits), takes.bit(k) | adds.bit(k)]);
         let next = register.wire() + step;

@@ -205,7 +205,7 @@ impl Observer for Owners<'_> {
 /// The results of a simulation as labels and formatted values. `agents` is the plural name of the agents.
 fn rows(timing: &Timing, agents: &str, clock_mhz: f64) -> Vec<(String, String)> {
     let rates = timing.rates(clock_mhz);
-    let Starved { memory, outcomes, both, locked } = timing.starved;
+    let Starved { memory, outcomes, both } = timing.starved;
     let cycles = |count: u64| format!("{count} ({:.1} %)", 100.0 * count as f64 / timing.cycles.max(1) as f64);
     let mut rows = vec![("cycles".to_string(), timing.cycles.to_string())];
     rows.push(("jobs".to_string(), timing.total_jobs().to_string()));
@@ -220,7 +220,6 @@ fn rows(timing: &Timing, agents: &str, clock_mhz: f64) -> Vec<(String, String)> 
         ("cycles starved: all wait for memory".to_string(), cycles(memory)),
         ("cycles starved: all wait for outcomes".to_string(), cycles(outcomes)),
         ("cycles starved: some wait for each".to_string(), cycles(both)),
-        ("cycles starved: datapath locked by another".to_string(), cycles(locked)),
         (format!("{agents} per second at {clock_mhz} MHz"), format!("{:.4e}", rates.agents)),
         (format!("seconds at {clock_mhz} MHz"), format!("{:.4e}", rates.seconds)),
     ]);
