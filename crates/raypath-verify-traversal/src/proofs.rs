@@ -199,7 +199,9 @@ pub fn obligations(level: Level) -> Result<Vec<Obligation>, Error> {
             all.extend(least.proofs()?);
         }
         all.extend(least.faults()?);
-        for parameters in more().into_iter().filter(|_| level > Level::Regression) {
+        // Modules of searches do not depend on rays.
+        let further = if variant == Variant::Searches { vec![UnitParameters::default()] } else { more().to_vec() };
+        for parameters in further.into_iter().filter(|_| level > Level::Regression) {
             all.extend(Setting::new(variant, parameters)?.proofs()?);
         }
     }

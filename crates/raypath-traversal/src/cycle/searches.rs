@@ -123,30 +123,27 @@ impl Searches {
 
     /// The beat that is next at the datapath, if a job of a ray is offered or not.
     pub fn next_beat(&self, is_ray_offered: bool) -> Option<Beat> {
-        self.beat().filter(|_| !(is_ray_offered && self.before == self.per_job))
+        let has_turn = !(is_ray_offered && self.before == self.per_job);
+        if has_turn { self.beats.offer(self.ranks.can_send()) } else { None }
     }
 
-    fn beat(&self) -> Option<Beat> {
-        self.beats.offer(self.ranks.can_send())
-    }
-
-    /// The clock edge. The datapath takes what is next, if `takes`, and the outcome of the last beat of a vector leaves
-    /// it, if `has_outcome`; or that of a node, if `is_tested`.
+    /// The clock edge. The datapath takes what is next, if `takes`, which is a beat if `is_beat`. The outcome of the last
+    /// beat of a vector leaves it, if `has_outcome`, or that of a node, if `is_tested`.
     pub fn cycle(
         &mut self,
         inputs: &SearchInputs<'_>,
         is_ray_offered: bool,
         takes: bool,
+        is_beat: bool,
         [has_outcome, is_tested]: [bool; 2],
     ) {
-        let is_beat = self.next_beat(is_ray_offered).is_some();
-        if takes && (is_ray_offered || self.beat().is_some()) {
+        let leaves = is_beat && takes;
+        if takes && (is_beat || is_ray_offered) {
             self.before = if is_beat && is_ray_offered { self.before + 1 } else { 0 };
         }
-        let leaves = is_beat && takes;
         // What each part had in registers.
         let visited = if is_tested { self.nodes.pop_front() } else { None };
-        let node = self.beats.node().filter(|_| leaves);
+        let node = if leaves { self.beats.node() } else { None };
         let has_failed = self.turns.running().is_some_and(|context| self.beats.has_failed(context));
         let (can_send, ranked, kept) = (self.ranks.can_send(), self.ranks.first(), self.filter.next());
         let (job, list) = (self.beats.job(), self.beats.list());
@@ -192,33 +189,36 @@ impl Searches {
 /// A queue in a memory with a word at the output, as the module `raypath_queue`.
 #[derive(Debug, Clone)]
 struct Fifo<T> {
-    memory: VecDeque<T>,
-    output: Option<T>,
+    words: VecDeque<T>,
+    /// The first word is at the output.
+    has_output: bool,
 }
 
 impl<T: State + Default> State for Fifo<T> {
     fn pass(&mut self, words: &mut StateWords<'_>) {
-        self.memory.pass(words);
-        self.output.pass(words);
+        self.words.pass(words);
+        self.has_output.pass(words);
     }
 }
 
 impl<T> Fifo<T> {
     fn new() -> Self {
-        Self { memory: VecDeque::new(), output: None }
+        Self { words: VecDeque::new(), has_output: false }
     }
 
+    #[inline]
     fn first(&self) -> Option<&T> {
-        self.output.as_ref()
+        if self.has_output { self.words.front() } else { None }
     }
 
+    #[inline]
     fn edge(&mut self, push: Option<T>, pop: bool) {
         if pop {
-            self.output = None;
+            self.words.pop_front();
         }
-        if self.output.is_none() {
-            self.output = self.memory.pop_front();
+        self.has_output = !self.words.is_empty();
+        if let Some(word) = push {
+            self.words.push_back(word);
         }
-        self.memory.extend(push);
     }
 }

@@ -55,6 +55,8 @@ pub struct Timing {
     /// The context whose candidate is at the port.
     candidate: Option<u8>,
     cycles: u64,
+    /// With searches: no ray is inside, and nothing of the last one moves, so that only searches have edges.
+    is_quiet: bool,
     /// The jobs of each kind.
     offered: [u64; Kind::COUNT],
     /// The steps of each kind of request.
@@ -150,6 +152,9 @@ const ENDED: usize = 9;
 const CANDIDATES: usize = 10;
 const QUEUES: usize = 11;
 
+/// Cycles between two looks whether rays are quiet.
+const CYCLES_TO_QUIET: u64 = 64;
+
 /// The sources of answers, a bit for each.
 const SOURCES: u32 = (1 << FREE) - 1;
 
@@ -158,7 +163,7 @@ state! {
     Timing {
         fresh, queues, busy, yields, set_up, offer, has_offer, following, flow, jobs, operands, has_operands, divider,
         triangle, has_triangle, scheduler, steps, hit, candidate, cycles, offered, asked,
-        restarts, job_stalls, flushes | decoder, weights, searches
+        restarts, job_stalls, flushes, is_quiet | decoder, weights, searches
     }
 }
 
@@ -193,6 +198,7 @@ impl Timing {
             hit: None,
             candidate: None,
             cycles: 0,
+            is_quiet: false,
             offered: [0; Kind::COUNT],
             asked: [0; AskedKind::COUNT],
             restarts: 0,
@@ -245,11 +251,13 @@ impl Timing {
     // Within a loop, its many conditions would be computed in every cycle.
     #[inline(never)]
     pub fn is_still(&self) -> bool {
+        self.searches.as_ref().is_none_or(Searches::is_idle) && self.jobs.is_empty() && self.are_rays_still()
+    }
+
+    fn are_rays_still(&self) -> bool {
         let waiting = SOURCES | 1 << ARRIVALS | 1 << ENDED | 1 << CANDIDATES;
-        self.searches.as_ref().is_none_or(Searches::is_idle)
-            && self.busy == 0
+        self.busy == 0
             && self.set_up.is_empty()
-            && self.jobs.is_empty()
             && !self.has_operands
             && self.divider.is_empty()
             && !self.has_triangle
@@ -269,6 +277,12 @@ impl Timing {
     /// The clock edge.
     #[inline(always)]
     pub fn cycle(&mut self, contexts: &mut impl Contexts, edge: &Edge<'_>) {
+        self.is_quiet &= edge.ray.is_none() & !edge.flush;
+        if self.is_quiet {
+            self.datapath((Job::default(), false), [false; 2], edge.search);
+            self.cycles = self.cycles.saturating_add(1);
+            return;
+        }
         // Each part reads what the parts after it had in registers, because it comes after them.
         let chosen = self.choose();
         let flushes = edge.flush | (self.flushes & !self.is_idle());
@@ -281,6 +295,9 @@ impl Timing {
         self.queues.edge();
         self.flushes = flushes;
         self.cycles = self.cycles.saturating_add(1);
+        if self.searches.is_some() && self.cycles.is_multiple_of(CYCLES_TO_QUIET) {
+            self.is_quiet = self.is_idle() && !flushes && self.are_rays_still();
+        }
     }
 
     pub fn reset(&mut self) {
@@ -298,6 +315,7 @@ impl Timing {
         self.weights.iter_mut().for_each(Weights::clear);
         self.decoder.iter_mut().for_each(Line::clear);
         self.scheduler = Scheduler::default();
+        self.is_quiet = false;
         (self.cycles, self.offered, self.asked) = (0, [0; Kind::COUNT], [0; AskedKind::COUNT]);
         (self.restarts, self.job_stalls) = (0, 0);
     }
@@ -471,35 +489,11 @@ impl Timing {
     #[inline]
     fn jobs(&mut self, enters_instance: bool, search: &SearchInputs<'_>) {
         let takes_triangle = self.distances();
-        let outcome = self.jobs.first();
-        let outcome_leaves = self.flow.output_valid() & outcome.kind.is_taken(takes_triangle, enters_instance);
         let (ready, has_ready) = match &self.decoder {
             None => (self.offer, self.has_offer),
             Some(decoder) => (decoder.first(), decoder.has_last()),
         };
-        let beat = self.searches.as_ref().and_then(|searches| searches.next_beat(has_ready));
-        let opcode = beat.map_or(ready.kind.opcode(), Beat::opcode);
-        let takes = self.flow.input_ready(opcode);
-        let leaves = has_ready & takes & beat.is_none();
-        self.flow.cycle((takes & (has_ready | beat.is_some())).then_some(opcode), outcome_leaves);
-        if let Some(searches) = &mut self.searches {
-            let of_search = [Kind::LastBeat, Kind::Test].map(|kind| outcome_leaves & (outcome.kind == kind));
-            searches.cycle(search, has_ready, takes, of_search);
-        }
-        self.jobs.pop_if(outcome_leaves);
-        self.queues.push_if(TESTED, outcome.context, outcome_leaves & (outcome.kind == Kind::Node));
-        let divides = outcome_leaves & outcome.kind.is_triangle();
-        self.operands = select_unpredictable(divides, outcome, self.operands);
-        self.has_operands |= divides;
-        self.jobs.push_if(ready, leaves);
-        if let Some(beat) = beat.filter(|_| takes) {
-            let kind = match beat {
-                Beat { node: Some(_), .. } => Kind::Test,
-                Beat { is_last, .. } if is_last => Kind::LastBeat,
-                _ => Kind::Beat,
-            };
-            self.jobs.push_if(Job { context: 0, kind }, true);
-        }
+        let leaves = self.datapath((ready, has_ready), [takes_triangle, enters_instance], search);
         self.job_stalls += u64::from(has_ready & !leaves);
         self.offered[ready.kind as usize] += u64::from(leaves);
         let issues = match &mut self.decoder {
@@ -517,6 +511,42 @@ impl Timing {
         self.offer.kind = select_unpredictable(issues, next, self.offer.kind);
         self.has_offer = select_unpredictable(issues, follows, self.has_offer);
         self.following -= u32::from(issues & follows);
+    }
+
+    /// The edge of the datapath itself, at which a job of a ray may be ready. Returns whether that leaves.
+    #[inline(always)]
+    fn datapath(
+        &mut self,
+        (ready, has_ready): (Job, bool),
+        [takes_triangle, enters_instance]: [bool; 2],
+        search: &SearchInputs<'_>,
+    ) -> bool {
+        let outcome = self.jobs.first();
+        let outcome_leaves = self.flow.output_valid() & outcome.kind.is_taken(takes_triangle, enters_instance);
+        let beat = self.searches.as_ref().and_then(|searches| searches.next_beat(has_ready));
+        let opcode = beat.map_or(ready.kind.opcode(), Beat::opcode);
+        let takes = self.flow.input_ready(opcode);
+        let leaves = has_ready & takes & beat.is_none();
+        self.flow.cycle((takes & (has_ready | beat.is_some())).then_some(opcode), outcome_leaves);
+        if let Some(searches) = &mut self.searches {
+            let of_search = [Kind::LastBeat, Kind::Test].map(|kind| outcome_leaves & (outcome.kind == kind));
+            searches.cycle(search, has_ready, takes, beat.is_some(), of_search);
+        }
+        self.jobs.pop_if(outcome_leaves);
+        self.queues.push_if(TESTED, outcome.context, outcome_leaves & (outcome.kind == Kind::Node));
+        let divides = outcome_leaves & outcome.kind.is_triangle();
+        self.operands = select_unpredictable(divides, outcome, self.operands);
+        self.has_operands |= divides;
+        self.jobs.push_if(ready, leaves);
+        if let Some(beat) = beat.filter(|_| takes) {
+            let kind = match beat {
+                Beat { node: Some(_), .. } => Kind::Test,
+                Beat { is_last, .. } if is_last => Kind::LastBeat,
+                _ => Kind::Beat,
+            };
+            self.jobs.push_if(Job { context: 0, kind }, true);
+        }
+        leaves
     }
 
     /// The edge of the blocks. A block offers its jobs to the datapath.

@@ -15,7 +15,7 @@
       p_asked_q <= !p_enters && (p_asks || p_asked_q);
     end
   wire p_touches = (load_i || list_valid_i) && block_context_i == p_context ||
-    expands_i && expands_context_i == p_context;
+    expands_i && expands_context_i == p_context || visited_i && visited_context_i == p_context;
   always_comb assume (!p_touches || p_inside_q);
   always_comb assume (!(release_i && release_context_i == p_context) ||
     (p_inside_q && !p_touches && !p_runs && !waits_q[p_context] && !(has_burst_q && burst_context_q == p_context) &&

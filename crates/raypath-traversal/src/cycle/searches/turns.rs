@@ -60,7 +60,8 @@ struct Turn {
     context: u8,
     step: u32,
     state: State,
-    list: [u32; 16],
+    /// The list that has arrived last, when the turn began.
+    half: usize,
     candidate: u32,
     branch: Option<Branch>,
 }
@@ -77,7 +78,7 @@ struct Pending {
 state! {
     Turns { searches, in_use, waits, is_new, after, sweep, turn, burst, queue, count }
     State { phase, number, left, spent }
-    Turn { context, step, state, list, candidate, branch }
+    Turn { context, step, state, half, candidate, branch }
     Branch { first, children, is_leaf }
     Pending { blocks, compared, is_outside }
 }
@@ -274,11 +275,11 @@ impl Turns {
         let later = can & self.after;
         let context = if later != 0 { later } else { can }.trailing_zeros();
         self.after = !0 << context << 1;
-        let Search { state, lists, half, candidate, branches, .. } = &self.searches[context as usize];
+        let Search { state, half, candidate, branches, .. } = &self.searches[context as usize];
         let is_new = self.is_new >> context & 1 == 1;
         let state = State { phase: if is_new { Phase::Enter } else { state.phase }, ..*state };
-        let (list, branch) = (lists[*half], branches.last().copied());
-        Some(Turn { context: context as u8, step: 0, state, list, candidate: *candidate, branch })
+        let (half, branch) = (*half, branches.last().copied());
+        Some(Turn { context: context as u8, step: 0, state, half, candidate: *candidate, branch })
     }
 
     /// An index is remembered, or a set of indices is forgotten.
@@ -311,19 +312,13 @@ impl Turns {
         if state.phase == Phase::Enter {
             return end(ask(Burst::Job, state.number, search.address, 1), State { phase: Phase::Begin, ..state });
         }
-        let Some(job) = search.job.filter(|_| !block_failed) else {
-            let stops = match state.phase {
-                Phase::Begin | Phase::List | Phase::Neighbours | Phase::Visit => step == 0,
-                Phase::Scan => true,
-                Phase::Enter | Phase::Expand => false,
-            };
-            if stops {
-                return drain();
-            }
-            // The step is that of a job whose blocks fail meanwhile.
-            return search.job.map_or_else(drain, |job| self.step_of(turn, &job, ask));
+        let stops = match state.phase {
+            Phase::Begin | Phase::List | Phase::Neighbours | Phase::Visit => step == 0,
+            Phase::Scan => true,
+            Phase::Enter | Phase::Expand => false,
         };
-        self.step_of(turn, &job, ask)
+        // The step is that of a job, also if its blocks fail meanwhile.
+        search.job.as_ref().filter(|_| !(block_failed && stops)).map_or_else(drain, |job| self.step_of(turn, job, ask))
     }
 
     fn step_of(&self, turn: Turn, job: &SearchJob, ask: impl Fn(Burst, u32, u32, u32) -> Option<Pending>) -> Step {
@@ -403,7 +398,7 @@ impl Turns {
                 if place == state.left {
                     return mark(state);
                 }
-                let asks = compare(turn.list[place as usize % 16]);
+                let asks = compare(self.searches[usize::from(context)].lists[turn.half][place as usize % 16]);
                 if step == PER_TURN && state.left > PER_TURN {
                     end(asks, State { number: state.number.wrapping_add(1), left: state.left - PER_TURN, ..state })
                 } else {
