@@ -265,7 +265,8 @@ claims! {
     }
     "raypath_search_turns" in Searches: include_str!("properties/compared.sv"),
         None, compared; "has_burst_q && skips && p_asked_q && p_own && burst_index_q == p_index && !burst_is_outside_q"; {
-        nothing_lost: "burst_is_compared_q & (burst_is_outside_q | is_known)" => "burst_is_compared_q";
+        nothing_lost: "burst_is_compared_q &\n      is_known" => "burst_is_compared_q";
+        nothing_lost: "enters & (|(remembered_q & free))" => "1'b0";
         nothing_lost: "((2'd1 << swept_q) & {2{sweeps_q}}" => "((2'd1 << swept_q) & {2{1'b0}}";
         nothing_lost: "new_way_7              = compared_way_6 | {32{sweep}}" => "new_way_7              = compared_way_6";
     }

@@ -39,6 +39,7 @@
   always_comb outside: assert (p_inside_q || !(p_runs || waits_q[p_context] || is_new_q[p_context] || p_sweeps ||
     has_burst_q && burst_context_q == p_context));
   always_comb sweeping: assert (!p_sweeps || !(p_runs && !was_new_q) && !(has_burst_q && p_own));
+  always_comb clean: assert (remembered_q[p_context] || !p_swept || !p_is_free || p_stored_is == 0);
   always_comb stored: assert (!(p_inside_q && !p_asked_q && p_swept && p_is_free) || p_stored_is == 0);
   wire p_pending = !(has_burst_q && p_own && burst_set_q == p_set && !p_asked_q && p_is_free) || p_shown_is == 0;
   wire p_own_set = !(has_burst_q && burst_is_compared_q) ||

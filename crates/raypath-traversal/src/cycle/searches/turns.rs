@@ -20,6 +20,8 @@ pub struct Turns {
     in_use: u32,
     waits: u32,
     is_new: u32,
+    /// A bit for each search with indices of the one before, as all have after a reset.
+    remembered: u32,
     /// The searches behind the one that had the last turn.
     after: u32,
     /// The search whose compared indices are forgotten, and the number of the next set.
@@ -76,7 +78,7 @@ struct Pending {
 }
 
 state! {
-    Turns { searches, in_use, waits, is_new, after, sweep, turn, burst, queue, count }
+    Turns { searches, in_use, waits, is_new, remembered, after, sweep, turn, burst, queue, count }
     State { phase, number, left, spent }
     Turn { context, step, state, half, candidate, branch }
     Branch { first, children, is_leaf }
@@ -152,6 +154,7 @@ impl Turns {
             in_use: 0,
             waits: 0,
             is_new: 0,
+            remembered: (1 << parameters.contexts) - 1,
             after: 0,
             sweep: None,
             turn: None,
@@ -232,7 +235,10 @@ impl Turns {
             let search = &mut self.searches[usize::from(context)];
             (search.base, search.address) = (base, address);
             search.branches.clear();
-            self.sweep = Some((context, 0));
+            if self.remembered >> context & 1 == 1 {
+                self.sweep = Some((context, 0));
+            }
+            self.remembered &= !(1 << context);
             came |= 1 << context;
             self.in_use |= 1 << context;
             self.is_new |= 1 << context;
@@ -288,6 +294,7 @@ impl Turns {
             known.rotate_right(1);
             known[0] = index;
             self.searches[usize::from(context)].compared[set] = known;
+            self.remembered |= 1 << context;
         } else if let Some((context, set)) = self.sweep {
             let compared = &mut self.searches[usize::from(context)].compared;
             compared[set] = [u32::MAX; WAYS];
@@ -344,14 +351,17 @@ impl Turns {
         };
         let list =
             |base: u32, number: u32| ask(Burst::List, number, base.wrapping_add(number.wrapping_mul(SEARCH_BLOCK)), 1);
-        // A vector that may be none, or was compared before.
-        let compare = |index: u32| {
+        // A vector that may be none.
+        let check = |index: u32| {
             let to = job.vectors.wrapping_add(index.wrapping_mul(job.stride));
+            ask(Burst::Vector, index, to, blocks).map(|pending| Pending { is_outside: index >= job.count, ..pending })
+        };
+        // One that may have been compared before.
+        let compare = |index: u32| {
             let sets = self.searches[0].compared.len();
             let set = (index ^ index >> sets.trailing_zeros()) as usize % sets;
             let compared = Some((set, self.searches[usize::from(context)].compared[set]));
-            let is_outside = index >= job.count;
-            ask(Burst::Vector, index, to, blocks).map(|pending| Pending { compared, is_outside, ..pending })
+            check(index).map(|pending| Pending { compared, ..pending })
         };
         let node = |index: u32, is_last: bool| {
             let to = places.0.wrapping_add(index.wrapping_mul(NODE_BYTES));
@@ -385,7 +395,7 @@ impl Turns {
             Phase::Scan if state.left == 0 => end(ask(Burst::Drain, state.number, 0, 0), state),
             Phase::Scan => {
                 let to = job.vectors.wrapping_add(state.number.wrapping_mul(job.stride));
-                let asks = if is_tree { compare(state.number) } else { ask(Burst::Vector, state.number, to, blocks) };
+                let asks = if is_tree { check(state.number) } else { ask(Burst::Vector, state.number, to, blocks) };
                 let next = State { number: state.number.wrapping_add(1), left: state.left - 1, ..state };
                 if step + 1 == PER_TURN { Step { again: true, ..end(asks, next) } } else { go_on(asks, next) }
             }
@@ -418,16 +428,17 @@ impl Turns {
                     return end(ask(Burst::Drain, state.number, 0, 0), state);
                 }
                 let Branch { first, children, is_leaf } = turn.branch.unwrap_or_default();
-                let (pops, index) = (step == 0, first.wrapping_add(step));
+                let pops = step == 0;
                 if is_leaf && matches!(job.place, Place::Keys { .. }) {
-                    let next = State { phase: Phase::Scan, number: index, left: places.1, ..state };
+                    let next = State { phase: Phase::Scan, number: first, left: places.1, ..state };
                     return Step { again: true, pops, ..end(None, next) };
                 }
-                let child = if is_leaf { step / 4 } else { step };
-                let is_last_child = u32::from(children) >> child <= 1;
-                let is_child = children >> child & 1 == 1;
-                let asks = if is_leaf { compare(index) } else { node(index, is_last_child) }.filter(|_| is_child);
-                if is_last_child && (!is_leaf || step % 4 == 3) {
+                let (place, vector) = if is_leaf { (step / 4, step % 4) } else { (step, 3) };
+                let rest = (0..place).fold(children, |rest, _| rest & rest.wrapping_sub(1));
+                let (child, is_last_child) = (rest.trailing_zeros(), rest.count_ones() <= 1);
+                let index = first.wrapping_add(if is_leaf { 4 * child + vector } else { child });
+                let asks = if is_leaf { check(index) } else { node(index, is_last_child) };
+                if is_last_child && vector == 3 {
                     let next = State { spent: spent + u32::from(!is_leaf), ..state };
                     Step { again: is_leaf, pops, ..end(asks, next) }
                 } else {
@@ -452,6 +463,6 @@ struct Step {
 
 impl Pending {
     fn is_skipped(self) -> bool {
-        self.compared.is_some_and(|(_, known)| self.is_outside || known.contains(&self.blocks.index))
+        self.is_outside || self.compared.is_some_and(|(_, known)| known.contains(&self.blocks.index))
     }
 }

@@ -2,7 +2,8 @@
 
 use super::super::connect::{Inputs, hold, keep, named};
 use super::super::queue::queue;
-use super::wiring::{context_bits, one_hot, when};
+use super::super::scheduler::lowest;
+use super::wiring::{context_bits, number_of, one_hot, when};
 use crate::search::{BRANCHES, SearchParameters};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
@@ -103,6 +104,7 @@ pub struct Visit<'m> {
 pub struct OfTurn<'m> {
     pub visits: Wire<'m>,
     pub step: Wire<'m>,
+    pub moves: Wire<'m>,
     pub is_keys: Wire<'m>,
     pub has_failed: Wire<'m>,
     pub may_expand: Wire<'m>,
@@ -115,27 +117,31 @@ impl<'m> Visit<'m> {
         Self { asks_node, asks_vector, index, is_last, scans, begins, ends, expands, drains }
     }
 
-    /// A branch is visited in a turn: each step asks for a child of a node, or for one of the four vectors of a box.
+    /// A branch is visited in a turn: each step asks for one of the children, or for one of the four vectors of a child.
     pub fn of_branch(m: &'m Builder, [first, children, is_leaf, is_there]: [Wire<'m>; 4], of: &OfTurn<'m>) -> Self {
-        let OfTurn { visits, step, is_keys, has_failed, may_expand } = *of;
-        let step = step.lower(4);
+        let OfTurn { visits, step, moves, is_keys, has_failed, may_expand } = *of;
+        let (is_first, vector) = (!step.any(), step.lower(2));
         let cannot = (!is_there | has_failed | (!is_leaf & !may_expand)).named("cannot_visit");
-        let drains = (visits & !step.any() & cannot).named("drains_tree");
+        let drains = (visits & is_first & cannot).named("drains_tree");
         let goes = (visits & !drains).named("goes_on_in_tree");
         let scans = (goes & is_leaf & is_keys).named("scans_range");
-        let child = is_leaf.mux(step.upper(2), step.lower(2)).named("child");
-        let later = [children.upper(3).any(), children.upper(2).any(), children.bit(3), m.constant(1, 0)];
-        let is_last = (!child.select(&later)).named("is_last_child");
-        let is_child = child.select(&[0, 1, 2, 3].map(|k| children.bit(k)));
-        let asks = (goes & !scans & is_child).named("asks_child");
-        let ends = (goes & (scans | (is_last & (!is_leaf | step.lower(2).all())))).named("ends_branch");
+        let rest_q = m.register("rest_of_children_q", 4);
+        let rest = is_first.mux(children, rest_q.wire()).named("rest_of_children");
+        let child = lowest(rest).named("child");
+        let ends_child = !is_leaf | vector.all();
+        rest_q.next_when(moves, rest & !when(ends_child, child));
+        let is_last = (!(rest ^ child).any()).named("is_last_child");
+        let number = number_of(child);
+        let index = is_leaf.mux(m.concat(&[number, vector]), m.concat(&[m.constant(2, 0), number]));
+        let asks = (goes & !scans).named("asks_child");
+        let ends = (goes & (scans | (is_last & ends_child))).named("ends_branch");
         Self {
             asks_node: asks & !is_leaf,
             asks_vector: asks & is_leaf,
-            index: first + step.extend(32),
+            index: first + when(!scans, index).extend(32),
             is_last,
             scans,
-            begins: goes & !step.any(),
+            begins: goes & is_first,
             ends,
             expands: ends & !is_leaf,
             drains,

@@ -3,7 +3,7 @@
 use super::super::connect::{Inputs, Outputs, hold, keep, named};
 use super::super::queue::{count_words, queue};
 use super::fetch::COUNT_BITS;
-use super::wiring::{BLOCK_BITS, BURST_BITS, context_bits};
+use super::wiring::{BLOCK_BITS, BURST_BITS, context_bits, one_hot, when};
 use crate::search::SearchParameters;
 use raypath_hdl::{Builder, Error, Forward, Register, Wire};
 
@@ -27,22 +27,25 @@ pub struct Asked<'m> {
     pub stride: Wire<'m>,
     pub offset: Wire<'m>,
     pub blocks: Wire<'m>,
-    /// A vector that may have been compared before.
+    /// A vector that may be none, and one that may have been compared before.
+    pub checks: Wire<'m>,
     pub compares: Wire<'m>,
 }
 
 /// The index that is looked up, the number of vectors, and the upper bits of all addresses.
 pub struct Lookup<'m> {
-    pub compared: Wire<'m>,
+    pub checked: Wire<'m>,
     pub count: Wire<'m>,
     pub upper: Option<Wire<'m>>,
 }
 
-/// The indices of a search are forgotten, set by set, after it has entered.
+/// The indices of the search before are forgotten, set by set, after a search has entered, if there are any.
 pub struct Sweep<'m> {
-    pub enters: Wire<'m>,
+    pub begins: Wire<'m>,
     pub context: Wire<'m>,
     pub goes_on: Register<'m>,
+    /// Drives the searches that remember an index in this cycle.
+    pub remembers: Forward<'m>,
 }
 
 /// The bursts that wait for the fetch. What is asked for is held until it has moved on; a vector that was compared
@@ -67,8 +70,9 @@ pub fn bursts<'m>(
     let [base, factor, stride, offset] =
         [("base", asked.base), ("factor", asked.factor), ("stride", asked.stride), ("offset", asked.offset)]
             .map(|(name, wire)| held(name, wire));
-    let (count, is_compared) = (held("count", asked.blocks), held("is_compared", asked.compares));
-    let compared = lookup.compared;
+    let (count, is_checked) = (held("count", asked.blocks), held("is_checked", asked.checks));
+    let is_compared = held("is_compared", asked.compares);
+    let compared = lookup.checked;
     let is_outside = held("is_outside", !compared.less(lookup.count));
     let sets = parameters.remembered / WAYS;
     let set_bits = sets.ilog2();
@@ -80,7 +84,7 @@ pub fn bursts<'m>(
     let sweeps = forgets.goes_on;
     let sweep = (sweeps.wire() & !writes.wire()).named("sweep");
     sweep_set.next_when(sweep, sweep_set.wire() + m.constant(set_bits, 1));
-    sweeps.next(forgets.enters | (sweeps.wire() & !(sweep & sweep_set.wire().all())));
+    sweeps.next(forgets.begins | (sweeps.wire() & !(sweep & sweep_set.wire().all())));
     let write = m.concat(&[sweep.mux(forgets.context, burst_context), sweep.mux(sweep_set.wire(), set_q)]);
     let stored = ways.iter().enumerate().map(|(k, way)| named(&format!("way_{k}"), way.wire())).collect();
     let depth = parameters.contexts.next_power_of_two() * sets;
@@ -88,13 +92,14 @@ pub fn bursts<'m>(
     let known = keep("u_compared", depth, (writes.wire() | sweep, write), stored, read);
     let is_known =
         m.concat(&known.iter().map(|(_, way)| way.equals(index)).collect::<Vec<_>>()).any().named("is_known");
-    let skips = (is_compared & (is_outside | is_known)).named("skips");
+    let skips = ((is_checked & is_outside) | (is_compared & is_known)).named("skips");
     let offers = (has_burst.wire() & !skips).named("offers");
     let count_q = m.register("count_q", WAITING.ilog2() + 1).reset_to(0);
     let can_push = (!count_q.wire().top()).named("can_push");
     let pushes = (offers & can_push).named("pushes");
     leaves.drive(has_burst.wire() & (skips | can_push));
     writes.drive(pushes & is_compared);
+    forgets.remembers.drive(when(pushes & is_compared, one_hot(burst_context, parameters.contexts)));
     let new = [index].into_iter().chain(known.iter().map(|(_, way)| *way));
     ways.iter().zip(new).for_each(|(forward, way)| forward.drive(way | sweep.replicate(32)));
     let product = (factor * stride).named("product");

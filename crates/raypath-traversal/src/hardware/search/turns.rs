@@ -88,6 +88,11 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let entered = number_of(free).named("entered");
     let at = |(enable, context)| when(enable, one_hot(context, contexts));
     in_use.next((in_use.wire() | when(enters, free)) & !at(release));
+    let remembers = m.forward("remembers_now", contexts);
+    let remembered = m.register("remembered_q", contexts).reset_to((1 << contexts) - 1);
+    remembered.wire().comment("searches with indices of the one before, as all have after a reset");
+    remembered.next((remembered.wire() & !when(enters, free)) | remembers.wire());
+    let begins_sweep = (enters & (remembered.wire() & free).any()).named("begins_sweep");
     let swept = hold("swept_q", enters, entered);
     let mut of_enter = vec![named("block", enter_block)];
     of_enter.extend(enter_base.map(|base| named("base", base)));
@@ -172,7 +177,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
             Visit::of_branch(
                 m,
                 [first, children, is_leaf, is_there],
-                &OfTurn { visits, step, is_keys, has_failed, may_expand },
+                &OfTurn { visits, step, moves: moves.wire(), is_keys, has_failed, may_expand },
             )
         },
     );
@@ -200,15 +205,16 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let asks_vector = (scans & !ends_scan).named("asks_vector");
     // The vectors of a tree may be behind the last one.
     let of_list = in_list & !is_step_0 & !is_through;
-    let compares = (of_list | visit.asks_vector | (asks_vector & is_tree)).named("compares");
+    let compares = of_list.named("compares");
+    let checks = (compares | visit.asks_vector | (asks_vector & is_tree)).named("checks");
     let asks_node = visit.asks_node | is_root;
     let is_norm = (begins & is_step_1).named("is_norm");
     let asks_query = (begins & ((is_step_0 & !stops) | (is_step_1 & of_job("cosine")))).named("asks_query");
-    let asks = (is_enter | asks_query | asks_list | compares | asks_vector | asks_node | marks).named("asks");
+    let asks = (is_enter | asks_query | asks_list | checks | asks_vector | asks_node | marks).named("asks");
     let list_number = in_list.mux(number + one, zero).named("list_number");
     let place = step.lower(4) - m.constant(4, 1);
-    let compared = visit.asks_vector.mux(visit.index, (asks_vector & is_tree).mux(number, place.select(&list_words)));
-    let compared = compared.named("compared");
+    let checked = visit.asks_vector.mux(visit.index, (asks_vector & is_tree).mux(number, place.select(&list_words)));
+    let checked = checked.named("checked");
     let kind = [
         (expand, Burst::Expand),
         (drain, Burst::Drain),
@@ -225,7 +231,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
         .named("kind");
     // The lowest bit of a node's says whether it is the last of its branch.
     let of_node = (visit.is_last | is_root).extend(32);
-    let index = compares.mux(compared, asks_list.mux(list_number, asks_node.mux(of_node, number))).named("index");
+    let index = checks.mux(checked, asks_list.mux(list_number, asks_node.mux(of_node, number))).named("index");
     let is_neighbours = (expands_one | in_neighbours).named("is_neighbours");
     let base = [
         (is_enter, of_enter[0].1),
@@ -234,7 +240,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
         (asks_node, of_job("list")),
     ];
     let base = base.into_iter().fold(of_job("vectors"), |rest, (is, base)| is.mux(base, rest)).named("base");
-    let of_vector = when(compares | asks_vector, index.lower(BLOCK_BITS));
+    let of_vector = when(checks | asks_vector, index.lower(BLOCK_BITS));
     let of_neighbours = when(is_neighbours, candidate);
     let factor = asks_list.mux(of_neighbours, of_vector | when(visit.asks_node, visit.index.lower(BLOCK_BITS)));
     let factor = factor.named("factor");
@@ -249,7 +255,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
         is_one.mux(m.constant(COUNT_BITS, 1), asks_node.mux(m.constant(COUNT_BITS, node_blocks), of_job("blocks")));
 
     m.section("The end of the turn");
-    let is_last_in_list = (of_list & step.is(PER_TURN) & m.constant(32, PER_TURN).less(left)).named("is_last_in_list");
+    let is_last_in_list = (compares & step.is(PER_TURN) & m.constant(32, PER_TURN).less(left)).named("is_last_in_list");
     let ends_turn = [
         marks | is_root | visit.ends,
         is_enter,
@@ -285,9 +291,10 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     number_q.next_when(moves.wire(), scans.mux(next_number, number));
     left_q.next_when(moves.wire(), scans.mux(next_left, left));
 
-    let asked = Asked { asks, kind, context: context.wire(), index, base, factor, stride, offset, blocks, compares };
-    let sweep = Sweep { enters, context: swept, goes_on: sweeps };
-    let lookup = Lookup { compared, count: of_job("count"), upper: of_enter.get(1).map(|(_, base)| *base) };
+    let asked =
+        Asked { asks, kind, context: context.wire(), index, base, factor, stride, offset, blocks, checks, compares };
+    let sweep = Sweep { begins: begins_sweep, context: swept, goes_on: sweeps, remembers };
+    let lookup = Lookup { checked, count: of_job("count"), upper: of_enter.get(1).map(|(_, base)| *base) };
     let queue = bursts(m, parameters, &asked, &lookup, sweep, (moves, burst_ready))?;
 
     m.output("enter_ready_o", can_enter);
