@@ -97,11 +97,11 @@ const fn short((control, mut parameters): Setting) -> Setting {
 /// With searches.
 const fn searching((control, mut parameters): Setting) -> Setting {
     parameters.search = Searches(Some(SearchParameters {
-        neighbours: 12,
+        neighbours: 40,
         candidates: 40,
         contexts: 3,
         dimensions: 100,
-        blocks: 16,
+        blocks: 64,
         remembered: 64,
         turns: 2,
         trees: 1,

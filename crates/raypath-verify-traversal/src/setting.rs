@@ -65,11 +65,14 @@ impl Variant {
             Self::Quantised => NodeKind::Quantised,
             Self::Eight => NodeKind::Wide8,
         };
-        let least = SearchParameters { neighbours: 4, candidates: 32, contexts: 2, dimensions: 32, blocks: 16, ..FEW };
+        let least = SearchParameters { neighbours: 32, candidates: 32, contexts: 2, dimensions: 32, blocks: 32, ..FEW };
         let more = SearchParameters { trees: 1, ..SearchParameters::default() };
         let searches = if parameters.contexts == LEAST.contexts { least } else { more };
         let search = Searches((self == Self::Searches).then_some(searches));
-        UnitParameters { step: StepParameters { node, features, ..parameters.step }, search, ..parameters }
+        // A memory as fast as the datapath, so that vectors wait for the list.
+        let memory_width = if self == Self::Searches { 512 } else { parameters.memory_width };
+        let step = StepParameters { node, features, ..parameters.step };
+        UnitParameters { step, search, memory_width, ..parameters }
     }
 }
 

@@ -32,14 +32,22 @@ fn random_search(
     let elements = [Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 0.25 }][random.random_range(0..3)];
     let dimensions = [1, 3, 8, 16, 17, 31, 40, 64, 65, 100][random.random_range(0..10)].min(parameters.dimensions);
     let vectors = random.random_range(0..120);
+    let is_most = random.random_range(0..3) == 0;
+    let k = if is_most { parameters.neighbours } else { random.random_range(1..=parameters.neighbours.min(12)) };
     let layout = VectorLayout { elements, dimensions };
     let mut numbers = |count: u32| -> Vec<f32> {
         (0..count * dimensions).map(|_| f32::from(random.random_range(-9_i8..=9)) * 0.25).collect()
     };
-    let (rows, query) = (numbers(vectors), numbers(1));
+    let (mut rows, query) = (numbers(vectors), numbers(1));
+    if is_most {
+        // Each vector is nearer than those before, so that it is inserted, and vectors wait for the list.
+        let squared = |row: &[f32]| row.iter().zip(&query).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
+        let mut sorted: Vec<&[f32]> = rows.chunks(dimensions as usize).collect();
+        sorted.sort_by(|a, b| squared(b).total_cmp(&squared(a)));
+        rows = sorted.concat();
+    }
     let (base, query) = (image.vectors(layout, &rows)?, image.vectors(layout, &query)?);
     let metric = [SearchMetric::Euclidean, SearchMetric::Dot, SearchMetric::Cosine][random.random_range(0..3)];
-    let least = parameters.neighbours.min(12);
     let indices = |random: &mut ChaCha8Rng, most: u32| -> Vec<u32> {
         let count = random.random_range(0..most);
         (0..count).map(|_| random.random_range(0..vectors + 20)).collect()
@@ -60,15 +68,15 @@ fn random_search(
                 degree,
                 entries: image.lists(entries.len() as u32, [&entries[..]].into_iter())?,
                 entry_count: entries.len() as u32,
-                candidates: random.random_range(least..=parameters.candidates),
+                candidates: random.random_range(k..=parameters.candidates),
                 expansions: [0, 1, 5, 1000][random.random_range(0..4)],
             }
         }
     };
     let (k, count) = match random.random_range(0..8) {
         0 => (0, vectors),
-        1 => (least, vectors + 1_000_000),
-        _ => (random.random_range(1..=least), vectors),
+        1 => (k, vectors + 1_000_000),
+        _ => (k, vectors),
     };
     let bound = if random.random_range(0..4) == 0 { 2.0 } else { f32::INFINITY };
     let stride = layout.bytes();
