@@ -203,9 +203,8 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let asks_list = ((in_list & is_step_0 & m.constant(32, PER_TURN).less(left)) | begins_list | expands_one) & !marks;
     let asks_list = asks_list.named("asks_list");
     let asks_vector = (scans & !ends_scan).named("asks_vector");
+    let compares = (in_list & !is_step_0 & !is_through).named("compares");
     // The vectors of a tree may be behind the last one.
-    let of_list = in_list & !is_step_0 & !is_through;
-    let compares = of_list.named("compares");
     let checks = (compares | visit.asks_vector | (asks_vector & is_tree)).named("checks");
     let asks_node = visit.asks_node | is_root;
     let is_norm = (begins & is_step_1).named("is_norm");
