@@ -11,7 +11,7 @@ pub fn in_tree(spec: &UnitSpec<'_>) -> Result<(), SearchError> {
     let expects = |found: String, expected: String| {
         Err(SearchError::Parameter(format!("{found} in a tree of {name}, expected {expected}")))
     };
-    if unit.trees == 0 {
+    if !unit.has_trees() {
         return Err(SearchError::Parameter("a unit without trees, expected one with --search trees=1".to_string()));
     }
     if base.dimensions() > most {

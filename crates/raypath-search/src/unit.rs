@@ -159,13 +159,9 @@ impl UnitJobs {
     /// have; a radius that is negative or not finite.
     pub fn new(spec: &UnitSpec<'_>) -> Result<Self, SearchError> {
         let UnitSpec { base, queries, metric, elements, neighbours: count, bound, place, unit } = *spec;
-        let is_tree = matches!(place, UnitPlace::Boxes(_) | UnitPlace::Keys);
         let of_query = if matches!(place, UnitPlace::Keys) { 2 } else { base.dimensions() };
-        if queries.dimensions() != of_query {
-            return Err(SearchError::Dimensions { base: of_query, queries: queries.dimensions() });
-        }
-        check(base.dimensions(), base.len(), base.dimensions(), count)?;
-        if is_tree {
+        check(of_query, base.len(), queries.dimensions(), count)?;
+        if matches!(place, UnitPlace::Boxes(_) | UnitPlace::Keys) {
             in_tree(spec)?;
         }
         in_job("neighbours", count, 1, unit.neighbours)?;

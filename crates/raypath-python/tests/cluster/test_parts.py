@@ -81,10 +81,12 @@ def test_workers_that_differ_compute_nothing(program: Path, tmp_path: Path) -> N
 
 def test_a_scheduler_that_stays_away_is_an_error(program: Path, tmp_path: Path) -> None:
     def connect() -> None:
-        raise ConnectionError("nobody answers")
+        raise ConnectionError("no machine answers")
 
     driver = Driver(planned(program, "search").shards, Store(tmp_path), connect, 0)
-    with pytest.raises(ClusterError, match=r"nobody answers; expected a scheduler within 0 s\. 0 of 3 results are in"):
+    with pytest.raises(
+        ClusterError, match=r"no machine answers; expected a scheduler within 0 s\. 0 of 3 results are in"
+    ):
         driver.run()
 
 

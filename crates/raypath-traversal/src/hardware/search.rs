@@ -17,6 +17,7 @@ mod list;
 mod ranks;
 mod results;
 mod turns;
+mod visit;
 mod widen;
 mod wiring;
 

@@ -131,7 +131,7 @@ fn datapath(config: Config, parameters: UnitParameters) -> Result<DatapathNetlis
     if parameters.step.features.instances {
         operations = operations.with(&Transform, TRANSFORM_OPCODE)?;
     }
-    if parameters.search.0.is_some_and(|search| search.trees > 0) {
+    if parameters.search.0.is_some_and(|search| search.has_trees()) {
         operations = operations.with(&KeyCompare, KEYS_OPCODE)?.with(&PointInBox, BOXES_OPCODE)?;
     }
     Ok(DatapathNetlist::build(operations, config.microarchitecture)?)
@@ -361,7 +361,7 @@ impl<'m> Top<'m> {
         self.m.section("Searches");
         let engine = search_engine(parameters, self.parameters.search_ports())?;
         let ready = self.m.forward("beat_ready", 1);
-        let of_node = [("tested", 1), ("inside", 4), ("child", 6)].into_iter().filter(|_| parameters.trees > 0);
+        let of_node = [("tested", 1), ("inside", 4), ("child", 6)].into_iter().filter(|_| parameters.has_trees());
         let outcome: Vec<_> = [("valid", 1), ("squares", 32), ("dot", 32), ("norm", 32)]
             .into_iter()
             .chain(of_node)
@@ -403,7 +403,7 @@ impl<'m> Top<'m> {
             let [euclidean, angular] = of_beats();
             input_valid = offer | engine.port("beat_valid");
             let mut of_beat = engine.port("beat_is_angular").mux(angular, euclidean);
-            if parameters.trees > 0 {
+            if parameters.has_trees() {
                 let [keys, boxes] = of_nodes();
                 of_beat = engine.port("beat_is_node").mux(engine.port("beat_is_keys").mux(keys, boxes), of_beat);
                 node_inputs(engine, is_beat, &mut inputs);
@@ -431,7 +431,7 @@ impl<'m> Top<'m> {
             let mut back = vec![ports.port("output_valid") & is_beat & is_last];
             back.extend(sums);
             let mut is_of_search = is_beat;
-            if parameters.trees > 0 {
+            if parameters.has_trees() {
                 let is = of_nodes().map(|code| ports.port("opcode").equals(code));
                 let is_node = (is[0] | is[1]).named("is_node_of_tree");
                 is_of_search = is_beat | is_node;

@@ -67,7 +67,7 @@ impl SearchImage {
         let address = self.reserve(lists.len() as u64 * u64::from(stride))?;
         for (list, place) in lists.zip(self.bytes[address as usize..].chunks_mut(stride.max(1) as usize)) {
             let words = list.iter().copied().chain(std::iter::repeat(u32::MAX));
-            words.zip(place.chunks_exact_mut(4)).for_each(|(word, bytes)| bytes.copy_from_slice(&word.to_le_bytes()));
+            put(place, words);
         }
         Ok(address)
     }
@@ -84,9 +84,7 @@ impl SearchImage {
 
     /// Writes words where there are bytes.
     pub(super) fn write(&mut self, address: u32, words: &[u32]) {
-        for (word, bytes) in words.iter().zip(self.bytes[address as usize..].chunks_exact_mut(4)) {
-            bytes.copy_from_slice(&word.to_le_bytes());
-        }
+        put(&mut self.bytes[address as usize..], words.iter().copied());
     }
 
     /// Adds bytes and returns the address of the first.
@@ -97,6 +95,11 @@ impl SearchImage {
         self.bytes.resize(end as usize, 0);
         Ok(first)
     }
+}
+
+/// Writes words to a place, until one of them ends.
+fn put(place: &mut [u8], words: impl Iterator<Item = u32>) {
+    words.zip(place.chunks_exact_mut(4)).for_each(|(word, bytes)| bytes.copy_from_slice(&word.to_le_bytes()));
 }
 
 impl Memory for SearchImage {

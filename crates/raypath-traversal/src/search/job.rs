@@ -172,7 +172,7 @@ impl SearchJob {
         let aligned = |word: usize| is(word, words[word].is_multiple_of(JOB_BYTES), "an address of whole blocks");
         let (place, k) = (part(0, 0, 4), words[0] >> 16);
         let is_tree = place & 4 != 0;
-        let is_place = matches!(place, 0..=2) || (is_tree && place <= 5 && parameters.trees > 0);
+        let is_place = matches!(place, 0..=2) || (is_tree && place <= 5 && parameters.has_trees());
         is(0, is_place && part(0, 12, 4) == 0, "a place that the unit has and zeros in bits 15 to 12")?;
         is(0, (1..=parameters.neighbours).contains(&k), "1 to the unit's number of neighbours in bits 31 to 16")?;
         let metric = METRICS.get(part(0, 4, 4) as usize).copied();
@@ -196,10 +196,10 @@ impl SearchJob {
             }
             4.. => {
                 aligned(6)?;
-                let (nodes, expansions) = (words[6], words[10]);
-                is(7, words[7] <= if place == 4 { u16::MAX.into() } else { 0 }, "0 to 65535 vectors, and 0 for boxes")?;
-                let keys = Place::Keys { nodes, len: words[7], expansions };
-                if place == 4 { keys } else { Place::Boxes { nodes, expansions } }
+                let (nodes, len, expansions, are_keys) = (words[6], words[7], words[10], place == 4);
+                let most = if are_keys { u16::MAX.into() } else { 0 };
+                is(7, len <= most, "0 to 65535 vectors for keys, 0 for boxes")?;
+                if are_keys { Place::Keys { nodes, len, expansions } } else { Place::Boxes { nodes, expansions } }
             }
             _ => {
                 aligned(6)?;

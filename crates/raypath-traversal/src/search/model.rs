@@ -147,11 +147,9 @@ impl<M: Memory + ?Sized> Search<'_, M> {
         let mut branches = vec![visit(self, 0)?];
         while let Some(branch) = branches.pop() {
             if branch.is_leaf {
-                let in_range = range.map(|len| (0..len).map(|k| branch.first.wrapping_add(k)));
-                let in_boxes = branch.indices().filter(|_| range.is_none());
-                let count = seen.job.count;
-                for index in in_range.into_iter().flatten().chain(in_boxes).filter(|index| *index < count) {
-                    self.compare(seen, index)?;
+                match range {
+                    Some(len) => self.compare_all(seen, (0..len).map(|k| branch.first.wrapping_add(k)))?,
+                    None => self.compare_all(seen, branch.indices())?,
                 }
             } else if self.counts.expansions < most.into() {
                 self.counts.expansions += 1;
@@ -180,6 +178,12 @@ impl<M: Memory + ?Sized> Search<'_, M> {
             }
         }
         Ok(())
+    }
+
+    /// Compares the vectors of these indices, but those that name none.
+    fn compare_all(&mut self, seen: &mut Seen, indices: impl Iterator<Item = u32>) -> Result<(), MemoryError> {
+        let count = seen.job.count;
+        indices.filter(|index| *index < count).try_for_each(|index| self.compare(seen, index))
     }
 
     fn compare(&mut self, seen: &mut Seen, index: u32) -> Result<(), MemoryError> {

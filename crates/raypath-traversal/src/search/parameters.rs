@@ -104,6 +104,11 @@ impl SearchParameters {
         turns: 1,
         trees: 1,
     };
+
+    /// Whether jobs search in trees.
+    pub fn has_trees(&self) -> bool {
+        self.trees > 0
+    }
 }
 
 impl Default for SearchParameters {
@@ -123,12 +128,12 @@ impl Default for SearchParameters {
 
 impl fmt::Display for SearchParameters {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { contexts, neighbours, candidates, dimensions, blocks, remembered, turns, trees } = self;
+        let Self { contexts, neighbours, candidates, dimensions, blocks, remembered, turns, trees: _ } = self;
         write!(
             f,
             "{contexts} searches of up to {neighbours} neighbours, {candidates} candidates and {dimensions} dimensions, \
              {blocks} blocks, {remembered} remembered indices, {turns} beats a job{}",
-            if *trees > 0 { ", trees" } else { "" }
+            if self.has_trees() { ", trees" } else { "" }
         )
     }
 }

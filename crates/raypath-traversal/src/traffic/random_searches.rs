@@ -26,20 +26,20 @@ fn random_search(
     parameters: SearchParameters,
     image: &mut SearchImage,
 ) -> Result<u32, ImageError> {
-    if parameters.trees > 0 && random.random_range(0..3) == 0 {
+    if parameters.has_trees() && random.random_range(0..3) == 0 {
         return random_tree(random, parameters, image);
     }
     let elements = [Elements::Binary32, Elements::Binary16, Elements::Int8 { scale: 0.25 }][random.random_range(0..3)];
     let dimensions = [1, 3, 8, 16, 17, 31, 40, 64, 65, 100][random.random_range(0..10)].min(parameters.dimensions);
     let vectors = random.random_range(0..120);
-    let is_most = random.random_range(0..3) == 0;
-    let k = if is_most { parameters.neighbours } else { random.random_range(1..=parameters.neighbours.min(12)) };
+    let fills_list = random.random_range(0..3) == 0;
+    let k = if fills_list { parameters.neighbours } else { random.random_range(1..=parameters.neighbours.min(12)) };
     let layout = VectorLayout { elements, dimensions };
     let mut numbers = |count: u32| -> Vec<f32> {
         (0..count * dimensions).map(|_| f32::from(random.random_range(-9_i8..=9)) * 0.25).collect()
     };
     let (mut rows, query) = (numbers(vectors), numbers(1));
-    if is_most {
+    if fills_list {
         // Each vector is nearer than those before, so that it is inserted, and vectors wait for the list.
         let squared = |row: &[f32]| row.iter().zip(&query).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
         let mut sorted: Vec<&[f32]> = rows.chunks(dimensions as usize).collect();

@@ -207,7 +207,7 @@ impl Arguments {
     fn differing(&self, dataset: &Dataset, tree: UnitPlace<'_>, found: &UnitSearch) -> Result<usize, CliError> {
         let Dataset { base, queries, .. } = dataset;
         let scanned: Vec<Vec<f32>> = if let UnitPlace::Boxes(radius) = tree {
-            let results = Exact::new(base, Metric::Euclidean).search(queries, self.k, &|_| true)?;
+            let results = self.exact(dataset, Metric::Euclidean)?;
             let is_near = |near: &&Neighbour| near.distance.powi(2) as f32 <= radius * radius;
             let row = |row: &Vec<Neighbour>| row.iter().filter(is_near).map(|near| near.distance as f32).collect();
             results.rows.iter().map(row).collect()

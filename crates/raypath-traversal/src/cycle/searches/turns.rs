@@ -199,12 +199,11 @@ impl Turns {
             let step = self.step(turn, events.has_failed);
             next = step.asks;
             pops = step.pops.then_some(turn.context);
-            match step.ends {
-                Some(state) => {
-                    ended = Some((turn.context, state));
-                    came |= u32::from(step.again) << turn.context;
-                }
-                None => self.turn = Some(Turn { step: turn.step + 1, state: step.state, ..turn }),
+            if step.ends {
+                ended = Some((turn.context, step.state));
+                came |= u32::from(step.again) << turn.context;
+            } else {
+                self.turn = Some(Turn { step: turn.step + 1, state: step.state, ..turn });
             }
         }
         let picked = self.pick(ended.is_some());
@@ -314,10 +313,10 @@ impl Turns {
                 is_outside: false,
             })
         };
-        let end = |asks, state| Step { asks, state, ends: Some(state), again: false, pops: false };
-        let drain = || end(ask(Burst::Drain, state.number, 0, 0), state);
+        let drain = || Step::last(ask(Burst::Drain, state.number, 0, 0), state);
         if state.phase == Phase::Enter {
-            return end(ask(Burst::Job, state.number, search.address, 1), State { phase: Phase::Begin, ..state });
+            let asks = ask(Burst::Job, state.number, search.address, 1);
+            return Step::last(asks, State { phase: Phase::Begin, ..state });
         }
         let stops = match state.phase {
             Phase::Begin | Phase::List | Phase::Neighbours | Phase::Visit => step == 0,
@@ -330,8 +329,6 @@ impl Turns {
 
     fn step_of(&self, turn: Turn, job: &SearchJob, ask: impl Fn(Burst, u32, u32, u32) -> Option<Pending>) -> Step {
         let Turn { step, state, context, .. } = turn;
-        let go_on = |asks, state| Step { asks, state, ends: None, again: false, pops: false };
-        let end = |asks, state| Step { asks, state, ends: Some(state), again: false, pops: false };
         let blocks = job.layout().bytes() / SEARCH_BLOCK;
         let (places, expansions) = match job.place {
             Place::Scan => ((0, 0), 0),
@@ -344,9 +341,12 @@ impl Turns {
         let spent = if state.phase == Phase::Begin { 0 } else { state.spent };
         let mark = |state: State| {
             if spent < expansions {
-                end(ask(Burst::Expand, state.number, 0, 0), State { phase: Phase::Expand, spent: spent + 1, ..state })
+                Step::last(
+                    ask(Burst::Expand, state.number, 0, 0),
+                    State { phase: Phase::Expand, spent: spent + 1, ..state },
+                )
             } else {
-                end(ask(Burst::Drain, state.number, 0, 0), state)
+                Step::last(ask(Burst::Drain, state.number, 0, 0), state)
             }
         };
         let list =
@@ -375,34 +375,40 @@ impl Turns {
             _ => (0, 0),
         };
         match state.phase {
-            Phase::Enter => end(None, state),
+            Phase::Enter => Step::last(None, state),
             Phase::Begin => match (step, job.place) {
-                (0, _) => go_on(ask(Burst::Query, state.number, job.query, blocks), state),
+                (0, _) => Step::inner(ask(Burst::Query, state.number, job.query, blocks), state),
                 (1, _) => {
                     let is_cosine = job.metric == crate::search::SearchMetric::Cosine;
                     let asks = ask(Burst::Norm, state.number, job.query, blocks).filter(|_| is_cosine);
-                    go_on(asks, state)
+                    Step::inner(asks, state)
                 }
-                (_, Place::Scan) if job.count == 0 => end(ask(Burst::Drain, state.number, 0, 0), state),
+                (_, Place::Scan) if job.count == 0 => Step::last(ask(Burst::Drain, state.number, 0, 0), state),
                 (_, Place::Scan) => {
                     let next = State { phase: Phase::Scan, number: 0, left: job.count, spent };
-                    Step { again: true, ..end(None, next) }
+                    Step { again: true, ..Step::last(None, next) }
                 }
-                _ if is_tree => end(node(0, true), State { phase: Phase::Visit, number: 0, left: 0, spent }),
+                _ if is_tree => Step::last(node(0, true), State { phase: Phase::Visit, number: 0, left: 0, spent }),
                 _ if places.1 == 0 => mark(state),
-                _ => end(list(places.0, 0), State { phase: Phase::List, number: 0, left: places.1, spent }),
+                _ => Step::last(list(places.0, 0), State { phase: Phase::List, number: 0, left: places.1, spent }),
             },
-            Phase::Scan if state.left == 0 => end(ask(Burst::Drain, state.number, 0, 0), state),
+            Phase::Scan if state.left == 0 => Step::last(ask(Burst::Drain, state.number, 0, 0), state),
             Phase::Scan => {
-                let to = job.vectors.wrapping_add(state.number.wrapping_mul(job.stride));
-                let asks = if is_tree { check(state.number) } else { ask(Burst::Vector, state.number, to, blocks) };
+                let asks = check(state.number);
                 let next = State { number: state.number.wrapping_add(1), left: state.left - 1, ..state };
-                if step + 1 == PER_TURN { Step { again: true, ..end(asks, next) } } else { go_on(asks, next) }
+                if step + 1 == PER_TURN {
+                    Step { again: true, ..Step::last(asks, next) }
+                } else {
+                    Step::inner(asks, next)
+                }
             }
             Phase::List | Phase::Neighbours => {
                 let (base, _) = if state.phase == Phase::List { places } else { neighbours() };
                 if step == 0 {
-                    return go_on(list(base, state.number.wrapping_add(1)).filter(|_| state.left > PER_TURN), state);
+                    return Step::inner(
+                        list(base, state.number.wrapping_add(1)).filter(|_| state.left > PER_TURN),
+                        state,
+                    );
                 }
                 let place = step - 1;
                 if place == state.left {
@@ -410,9 +416,12 @@ impl Turns {
                 }
                 let asks = compare(self.searches[usize::from(context)].lists[turn.half][place as usize % 16]);
                 if step == PER_TURN && state.left > PER_TURN {
-                    end(asks, State { number: state.number.wrapping_add(1), left: state.left - PER_TURN, ..state })
+                    Step::last(
+                        asks,
+                        State { number: state.number.wrapping_add(1), left: state.left - PER_TURN, ..state },
+                    )
                 } else {
-                    go_on(asks, state)
+                    Step::inner(asks, state)
                 }
             }
             Phase::Expand => {
@@ -420,18 +429,18 @@ impl Turns {
                 if degree == 0 {
                     return mark(state);
                 }
-                end(list(base, 0), State { phase: Phase::Neighbours, number: 0, left: degree, ..state })
+                Step::last(list(base, 0), State { phase: Phase::Neighbours, number: 0, left: degree, ..state })
             }
             Phase::Visit => {
                 let cannot = turn.branch.is_none_or(|branch| !branch.is_leaf && spent >= expansions);
                 if step == 0 && cannot {
-                    return end(ask(Burst::Drain, state.number, 0, 0), state);
+                    return Step::last(ask(Burst::Drain, state.number, 0, 0), state);
                 }
                 let Branch { first, children, is_leaf } = turn.branch.unwrap_or_default();
                 let pops = step == 0;
                 if is_leaf && matches!(job.place, Place::Keys { .. }) {
                     let next = State { phase: Phase::Scan, number: first, left: places.1, ..state };
-                    return Step { again: true, pops, ..end(None, next) };
+                    return Step { again: true, pops, ..Step::last(None, next) };
                 }
                 let (place, vector) = if is_leaf { (step / 4, step % 4) } else { (step, 3) };
                 let rest = (0..place).fold(children, |rest, _| rest & rest.wrapping_sub(1));
@@ -440,9 +449,9 @@ impl Turns {
                 let asks = if is_leaf { check(index) } else { node(index, is_last_child) };
                 if is_last_child && vector == 3 {
                     let next = State { spent: spent + u32::from(!is_leaf), ..state };
-                    Step { again: is_leaf, pops, ..end(asks, next) }
+                    Step { again: is_leaf, pops, ..Step::last(asks, next) }
                 } else {
-                    Step { pops, ..go_on(asks, state) }
+                    Step { pops, ..Step::inner(asks, state) }
                 }
             }
         }
@@ -453,12 +462,24 @@ impl Turns {
 struct Step {
     asks: Option<Pending>,
     state: State,
-    /// The state after the turn, if it ends.
-    ends: Option<State>,
+    /// The turn ends.
+    ends: bool,
     /// The search can go on at once.
     again: bool,
     /// The branch is taken.
     pops: bool,
+}
+
+impl Step {
+    /// One after which the turn goes on.
+    fn inner(asks: Option<Pending>, state: State) -> Self {
+        Self { asks, state, ends: false, again: false, pops: false }
+    }
+
+    /// One after which it ends.
+    fn last(asks: Option<Pending>, state: State) -> Self {
+        Self { ends: true, ..Self::inner(asks, state) }
+    }
 }
 
 impl Pending {

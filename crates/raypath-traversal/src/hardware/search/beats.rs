@@ -40,8 +40,8 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let words: Vec<Wire<'_>> = (0..WORDS).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
     let block_failed = m.input("failed_i", 1);
     let [job_ready, beat_ready, can_send] = ["job_ready_i", "beat_ready_i", "can_send_i"].map(|name| m.input(name, 1));
-
-    let overflowed = (parameters.trees > 0).then(|| m.input("overflowed_i", contexts));
+    let has_trees = parameters.has_trees();
+    let overflowed = if has_trees { m.input("overflowed_i", contexts) } else { m.constant(contexts, 0) };
 
     m.section("The block that was taken");
     let busy = m.register("busy_q", 1).reset_to(0);
@@ -59,15 +59,14 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
         [(Burst::Job, "is_job"), (Burst::Query, "is_query"), (Burst::Norm, "is_norm"), (Burst::List, "is_list")]
             .map(|(burst, name)| is(burst, name));
     let is_vector = is_norm | is(Burst::Vector, "is_vector");
-    let is_node = overflowed.map_or(m.constant(1, 0), |_| is(Burst::Node, "is_block_of_node"));
+    let is_node = if has_trees { is(Burst::Node, "is_block_of_node") } else { m.constant(1, 0) };
     let is_marker = (busy.wire() & Burst::marks(kind)).named("is_marker");
     keeps_query.drive(is_query);
 
     m.section("The searches of which a block has failed");
     let fails = (busy.wire() & !is_marker & block_failed).named("fails");
     let failed = m.register("failed_q", contexts).reset_to(0);
-    let failed_before = failed.wire();
-    let failed_before = overflowed.map_or(failed_before, |overflowed| failed_before | overflowed);
+    let failed_before = failed.wire() | overflowed;
     let has_failed = (bit_of(failed_before, context) & !is_job | fails).named("has_failed");
     let here = one_hot(context, contexts);
     failed.next_when(is_job | fails, has_failed.mux(failed.wire() | here, failed.wire() & !here));
@@ -80,7 +79,7 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let tail = ((tail & kept).extend(LEFT_BITS) + m.constant(LEFT_BITS, 1)).named("tail");
     let shape =
         [("metric", metric), ("elements", elements), ("tail", tail)].map(|(name, wire)| (name.to_string(), wire));
-    let shape = shape.into_iter().chain(overflowed.map(|_| named("is_keys", !words[0].bit(0)))).collect();
+    let shape = shape.into_iter().chain(has_trees.then(|| named("is_keys", !words[0].bit(0)))).collect();
     let shape = keep("u_shapes", contexts, (is_job, context), shape, (take, next_context));
     let [metric, elements, tail] = [0, 1, 2].map(|k| shape[k].1);
     let is_angular = metric.any().named("is_angular");
@@ -96,7 +95,7 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
     let write = (is_query, m.concat(&[context, block.wire()]));
     let read_block = next_block.named("next_block");
     let reads = Burst::Norm.is(next_kind) | Burst::Vector.is(next_kind);
-    let reads = overflowed.map_or(reads, |_| reads | Burst::Node.is(next_kind));
+    let reads = if has_trees { reads | Burst::Node.is(next_kind) } else { reads };
     let reads = (take & reads).named("reads_query");
     let read = (reads, m.concat(&[next_context, read_block]));
     let depth = contexts.next_power_of_two() << block_width;
@@ -156,7 +155,7 @@ pub fn beats(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
 
     m.output("take_o", take);
     m.output("beat_valid_o", offer | tests);
-    if overflowed.is_some() {
+    if has_trees {
         m.output("is_node_o", tests);
         m.output("is_keys_o", shape[3].1);
         m.output("node_sent_o", node_leaves);

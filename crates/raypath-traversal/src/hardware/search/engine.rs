@@ -55,7 +55,7 @@ pub fn search_engine(parameters: SearchParameters, ports: SearchPorts) -> Result
     let beat_ready = m.input("beat_ready_i", 1);
     let outcome_valid = m.input("outcome_valid_i", 1);
     let sums = ["squares", "dot", "norm"].map(|name| named(name, m.input(&format!("outcome_{name}_i"), 32)));
-    let has_trees = parameters.trees > 0;
+    let has_trees = parameters.has_trees();
     let tested = has_trees.then(|| {
         let of_node = [("tested", 1), ("inside", 4), ("child", 6)];
         of_node.map(|(name, width)| m.input(&format!("outcome_{name}_i"), width))

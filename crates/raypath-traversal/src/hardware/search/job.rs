@@ -35,7 +35,7 @@ impl<'m> Settings<'m> {
         let scale = words[12];
         let of_graph = is_aligned(8) & !high(7).any() & !candidates.less(k) & most(candidates, parameters.candidates);
         let holds = [
-            if parameters.trees > 0 { most(place, 2) | is_tree } else { most(place, 2) },
+            if parameters.has_trees() { most(place, 2) | is_tree } else { most(place, 2) },
             most(words[0].bits(7, 4), 2),
             most(words[0].bits(11, 8), 2),
             !words[0].bits(15, 12).any(),
@@ -50,7 +50,7 @@ impl<'m> Settings<'m> {
             !m.concat(&[words[13].any(), words[14].any(), words[15].any()]).any(),
         ];
         let mut holds = holds.to_vec();
-        if parameters.trees > 0 {
+        if parameters.has_trees() {
             let len_holds = place.bit(0).mux(!words[7].any(), !high(7).any());
             holds.push(!is_tree | (!elements.any() & most(low(1), 3) & len_holds));
         }

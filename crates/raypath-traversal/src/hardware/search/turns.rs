@@ -2,10 +2,11 @@
 
 use super::super::connect::{Access, hold, keep, named};
 use super::super::scheduler::{after_last, lowest};
-use super::branches::{BRANCH, OfTurn, Visit};
+use super::branches::BRANCH;
 use super::bursts::{Asked, BURST_COLUMNS, Lookup, Sweep, bursts};
 use super::fetch::COUNT_BITS;
 use super::job::Settings;
+use super::visit::{OfTurn, Visit};
 use super::wiring::{BLOCK_BITS, Burst, WORDS, bit_of, context_bits, number_of, one_hot, when};
 use crate::search::{NODE_BLOCKS, SearchParameters};
 use raypath_hdl::{Builder, Error, Module, Wire};
@@ -72,7 +73,7 @@ pub fn turns(parameters: SearchParameters, address_width: u32) -> Result<Arc<Mod
     let words: Vec<Wire<'_>> = (0..WORDS).map(|k| m.input(&format!("word_{k}_i"), 32)).collect();
     let expanded = m.input("expands_index_i", BLOCK_BITS);
     let failed = m.input("failed_i", contexts);
-    let has_trees = parameters.trees > 0;
+    let has_trees = parameters.has_trees();
     let tree = has_trees.then(|| {
         let branch = BRANCH.map(|(name, width)| m.input(&format!("next_{name}_i"), width));
         (event("visited", "visited_context"), branch, m.input("next_is_there_i", 1))
