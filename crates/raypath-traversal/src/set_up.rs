@@ -50,18 +50,17 @@ bundle! {
 /// The number of quotients of a ray.
 pub const QUOTIENTS: usize = 5;
 
-/// Whether the ray is refused before its quotients are known: a direction that is zero or not finite, an origin that is
-/// not finite, a range that is negative or NaN.
+/// Whether the ray is refused before its quotients are known: a direction or an origin that is not finite, a range that is
+/// negative or NaN. A direction of zeros is too short, as its quotients tell.
 #[inline]
 pub fn is_refused<C: WordCircuit>(c: C, entry: &Entry<C>) -> Bit<C> {
     let Entry { origin, dir, t_min, t_max } = entry;
     let (origin, dir) = (components(*origin), components(*dir));
     let all = |of: [Num<C>; 3], test: &dyn Fn(Num<C>) -> Bit<C>| test(of[0]) & test(of[1]) & test(of[2]);
     let finite = all(origin, &|x| is_finite(c, x)) & all(dir, &|x| is_finite(c, x));
-    let is_zero = all(dir, &|x| x.is_zero());
     let has_range = t_min.is_at_least_zero() & t_max.is_at_least_zero();
-    label!(c: finite, is_zero, has_range);
-    !(finite & !is_zero & has_range)
+    label!(c: finite, has_range);
+    !(finite & has_range)
 }
 
 /// The axes of a direction.

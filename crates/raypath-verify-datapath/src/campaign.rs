@@ -26,9 +26,9 @@ pub const FOLDER: &str = "build/verify";
 
 /// The stream of the campaign's random numbers.
 const STREAM: u64 = 21;
-/// The number of jobs in an episode.
+/// The number of jobs in an episode of a pipeline that holds at most 64 jobs.
 const JOBS_PER_EPISODE: u64 = 256;
-/// The cycles with random handshakes; afterwards source and sink are always ready, and the remaining jobs pass.
+/// Its cycles with random handshakes; afterwards source and sink are always ready, and the remaining jobs pass.
 const EVENTFUL_CYCLES: u32 = 1200;
 /// The number of jobs for each operation from which on a coverage point without a hit is a failure.
 const ENOUGH: u64 = 20_000;
@@ -90,6 +90,11 @@ impl Entry {
         Ok(NetlistEngine::of_module(model, self.subject.config, &self.top, shape, |_| false)?)
     }
 
+    /// The episode with this number in the campaign of this seed: the deeper the pipeline, the longer.
+    fn episode(&self, seed: u64, number: u64) -> Episode {
+        Episode::new(&self.model, self.shape.capacity().div_ceil(64) as u32, seed, number)
+    }
+
     /// Runs an episode up to the first difference.
     fn run(&self, netlist: &mut NetlistEngine, episode: Episode) -> Found {
         let mut tracker = Tracker::new(&self.coverage, &episode.jobs);
@@ -111,6 +116,8 @@ impl Entry {
 pub struct Episode {
     jobs: Vec<Words>,
     traffic: Traffic,
+    /// The cycles with random handshakes.
+    eventful_cycles: u32,
     /// The seed of the state that the netlist begins in.
     initial: u64,
 }
@@ -124,26 +131,28 @@ struct Found {
 }
 
 impl Episode {
-    /// The episode with this number in the campaign of this seed.
-    pub fn new(model: &WordModel, seed: u64, number: u64) -> Self {
+    /// The episode with this number in the campaign of this seed, so many times as long as the shortest.
+    pub fn new(model: &WordModel, length: u32, seed: u64, number: u64) -> Self {
         let rng = &mut Campaign::of_episodes(STREAM, 0).rng(seed, number);
         let (mut stimuli, mut words) = (Stimuli::new(model, rng.random()), Vec::new());
-        let jobs = (0..JOBS_PER_EPISODE).map(|_| {
+        let jobs = (0..JOBS_PER_EPISODE * u64::from(length)).map(|_| {
             let kind = stimuli.next(&mut words);
             model.job_of_words(kind, &words)
         });
         let jobs = jobs.collect();
-        Self { jobs, traffic: Traffic::eventful(rng.random(), EVENTFUL_CYCLES), initial: rng.random() }
+        let eventful_cycles = EVENTFUL_CYCLES * length;
+        let traffic = Traffic::eventful(rng.random(), eventful_cycles);
+        Self { jobs, traffic, eventful_cycles, initial: rng.random() }
     }
 
     /// The episode as a trace of jobs and cycles.
     pub fn trace(self) -> Trace {
         let mut traffic = self.traffic;
-        Trace { jobs: self.jobs, cycles: (0..EVENTFUL_CYCLES).map(|_| traffic.next_cycle()).collect() }
+        Trace { jobs: self.jobs, cycles: (0..self.eventful_cycles).map(|_| traffic.next_cycle()).collect() }
     }
 }
 
-/// Runs so many jobs of each datapath.
+/// Runs so many jobs of each datapath, and more of a deep one.
 fn run(request: &mut Request<'_>, entries: &[Entry], jobs: u64, folder: &Path) -> Result<Verdict, Error> {
     let episodes = jobs.div_ceil(JOBS_PER_EPISODE);
     let campaign = Campaign::of_episodes(STREAM, episodes * entries.len() as u64);
@@ -155,7 +164,9 @@ fn run(request: &mut Request<'_>, entries: &[Entry], jobs: u64, folder: &Path) -
             Some(same) => compiled.insert(same),
             None => compiled.insert((index, entry.netlist()?)),
         };
-        let found = entry.run(netlist, Episode::new(&entry.model, seed, number));
+        let episode = entry.episode(seed, number);
+        tally.add("jobs", episode.jobs.len() as u64);
+        let found = entry.run(netlist, episode);
         tally.add("cycles", found.cycles);
         tally.add(format!("{index}"), 1_u64);
         found.points.into_iter().for_each(|point| tally.add(format!("{index} {point}"), 1_u64));
@@ -166,7 +177,7 @@ fn run(request: &mut Request<'_>, entries: &[Entry], jobs: u64, folder: &Path) -
     verdict.is_stopped = is_stopped;
     if let Some((number, what)) = tally.first_failure() {
         let entry = &entries[entry(number)];
-        let episode = Episode::new(&entry.model, seed, number);
+        let episode = entry.episode(seed, number);
         let folder = folder.join(format!("failure-{seed}-{number}"));
         let mut netlist = entry.netlist()?;
         netlist.restart_randomly(episode.initial);
@@ -201,7 +212,7 @@ fn verdict(entries: &[Entry], tally: &Tally, folder: &Path) -> Result<Verdict, E
     }
     let path = folder.join(if entries.len() == 1 { "coverage.txt" } else { "coverage-of-all.txt" });
     files::write(&path, &text)?;
-    let (cycles, jobs) = (tally.count("cycles"), episodes * JOBS_PER_EPISODE);
+    let (cycles, jobs) = (tally.count("cycles"), tally.count("jobs"));
     let of = if entries.len() == 1 { String::new() } else { format!(" of {} datapaths", entries.len()) };
     verdict.covered = format!("{cycles} netlist cycles, {jobs} jobs, {episodes} episodes{of}");
     let is_covered = if is_covered { "all are covered" } else { "some are not covered" };

@@ -66,7 +66,7 @@ const LIMIT: Duration = Duration::from_secs(20);
 const EPISODES: u64 = 24;
 
 /// The modules of the least units besides the datapath and the floating-point units, which `mutation` has. A module
-/// that has the same text in several units is one subject.
+/// that has the same text in several units is one subject, as is one of rays in a unit of searches.
 ///
 /// # Errors
 /// A unit cannot be built.
@@ -82,7 +82,11 @@ pub fn modules() -> Result<Vec<MutatedModule>, Error> {
             } else {
                 Vec::new()
             };
-            if !faults.is_empty() && texts.insert(text) {
+            // A unit of searches has a memory of its own width, and otherwise the modules of rays that others have.
+            let is_known = variant == Variant::Searches
+                && module.name() != unit.top.name()
+                && subjects.iter().any(|other: &MutatedModule| other.module.name() == module.name());
+            if !faults.is_empty() && !is_known && texts.insert(text) {
                 subjects.push(MutatedModule { variant, unit: unit.clone(), module, faults });
             }
         }

@@ -65,7 +65,7 @@ impl Variant {
             Self::Quantised => NodeKind::Quantised,
             Self::Eight => NodeKind::Wide8,
         };
-        let least = SearchParameters { neighbours: 32, candidates: 32, contexts: 2, dimensions: 32, blocks: 32, ..FEW };
+        let least = SearchParameters { neighbours: 32, candidates: 32, contexts: 2, dimensions: 64, blocks: 32, ..FEW };
         let more = SearchParameters { trees: 1, ..SearchParameters::default() };
         let searches = if parameters.contexts == LEAST.contexts { least } else { more };
         let search = Searches((self == Self::Searches).then_some(searches));

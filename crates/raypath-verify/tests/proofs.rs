@@ -74,3 +74,23 @@ fn the_same_assertion_is_checked_once() {
         }
     }
 }
+
+#[test]
+fn an_assertion_whose_state_falls_away_is_decided() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let checker = ModelChecker::find().expect("pyosys").keeping_in(folder.path());
+    // ABC, but not Yosys, finds that both sides are the same logic.
+    let same = "(q & b) == ~(~q | ~b)";
+    for (condition, expected) in [(same, CheckResult::Holds), (&format!("{same} && !(a & b)"), CheckResult::Fails)] {
+        let text = format!(
+            "module state (input clk, a, b); logic q; always_ff @(posedge clk) q <= a; always_comb assert ({condition}); \
+             endmodule"
+        );
+        let (name, top) = ("state".to_string(), "state".to_string());
+        for method in [Method::Inductive, Method::Unbounded, Method::Bounded(4)] {
+            let problem =
+                SafetyProblem { name: name.clone(), top: top.clone(), text: text.clone(), assertions: 1, method };
+            assert_eq!(checker.check(&problem, &GO).expect("a verdict"), Some(expected), "{condition}, {method:?}");
+        }
+    }
+}

@@ -48,7 +48,9 @@ pub fn table<const N: usize>(indent: &str, rows: &[[String; N]]) -> Vec<String> 
     let widths: [usize; N] = std::array::from_fn(|c| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0));
     let line = |row: &[String; N]| {
         let cells = row.iter().zip(widths).filter(|(_, width)| *width > 0);
-        let text: Vec<String> = cells.map(|(cell, width)| format!("{cell:width$}")).collect();
+        // Not by a width of `format!`, which is at most 65535.
+        let padded = |(cell, width): (&String, usize)| cell.clone() + &" ".repeat(width - cell.chars().count());
+        let text: Vec<String> = cells.map(padded).collect();
         format!("{indent}{}", text.join(" ")).trim_end().to_string()
     };
     rows.iter().map(line).collect()
@@ -114,4 +116,16 @@ pub fn fill(indent: &str, items: &[String]) -> Vec<String> {
         }
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::table;
+
+    #[test]
+    fn a_cell_may_be_longer_than_a_width_of_format() {
+        let long = "x".repeat(1 << 16);
+        let rows = [["a".to_string(), long.clone()], ["bb".to_string(), "y".to_string()]];
+        assert_eq!(table("  ", &rows), [format!("  a  {long}"), "  bb y".to_string()]);
+    }
 }

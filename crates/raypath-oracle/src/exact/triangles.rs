@@ -104,7 +104,7 @@ impl Triangle {
                 let is_open = arithmetic.makes(Mistake::OpenEdges);
                 let is_once = rule == EdgeRule::Once;
                 let has = |(place, edge): (usize, Number)| match edge.is_zero() {
-                    true if is_once => self.ties[place].is_none_or(|order| order == face.above()),
+                    true if is_once && !is_open => self.ties[place].is_none_or(|order| order == face.above()),
                     true => !is_open,
                     false => edge.is_above_zero(),
                 };

@@ -37,6 +37,11 @@ impl SearchImage {
         &self.bytes
     }
 
+    /// Its bytes, for what is between elements, or damaged.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.bytes
+    }
+
     /// Places vectors of so many dimensions, one behind the other with a stride of [`VectorLayout::bytes`], and returns
     /// the address of the first. Numbers are those of the elements: [`Elements::nearest`] rounds to them.
     ///

@@ -46,7 +46,7 @@ fn random_search(
         sorted.sort_by(|a, b| squared(b).total_cmp(&squared(a)));
         rows = sorted.concat();
     }
-    let (base, query) = (image.vectors(layout, &rows)?, image.vectors(layout, &query)?);
+    let (base, query) = (place_vectors(random, image, layout, &rows)?, place_vectors(random, image, layout, &query)?);
     let metric = [SearchMetric::Euclidean, SearchMetric::Dot, SearchMetric::Cosine][random.random_range(0..3)];
     let indices = |random: &mut ChaCha8Rng, most: u32| -> Vec<u32> {
         let count = random.random_range(0..most);
@@ -83,6 +83,21 @@ fn random_search(
     image.job(&SearchJob { metric, elements, dimensions, query, vectors: base, stride, count, k, bound, place })
 }
 
+/// Places vectors, with any bytes behind the elements of each.
+fn place_vectors(
+    random: &mut ChaCha8Rng,
+    image: &mut SearchImage,
+    layout: VectorLayout,
+    numbers: &[f32],
+) -> Result<u32, ImageError> {
+    let address = image.vectors(layout, numbers)?;
+    let size = (layout.elements.bytes() * layout.dimensions) as usize;
+    for vector in image.bytes_mut()[address as usize..].chunks_mut(layout.bytes() as usize) {
+        random.fill(&mut vector[size..]);
+    }
+    Ok(address)
+}
+
 /// A tree of keys or of boxes. Some are damaged: their nodes are elsewhere, or refer to each other.
 fn random_tree(
     random: &mut ChaCha8Rng,
@@ -98,14 +113,15 @@ fn random_tree(
     let (nodes, vectors, query, bound) = if is_keys {
         let mut keys: Vec<f32> = (0..count).map(|_| number() * number() + number()).collect();
         keys.sort_by(f32::total_cmp);
-        let query = image.vectors(layout(4), &[-1.0, 0.0, 0.0, number().next_down()])?;
-        (image.keys(&keys)?, image.vectors(layout(1), &keys)?, query, number())
+        let (query, bound) = ([-1.0, 0.0, 0.0, number().next_down()], number());
+        let query = image.vectors(layout(4), &query)?;
+        (image.keys(&keys)?, place_vectors(random, image, layout(1), &keys)?, query, bound)
     } else {
         let points: Vec<[f32; 3]> = (0..count).map(|_| std::array::from_fn(|_| number())).collect();
         let points: Vec<[f32; 3]> = order_of_boxes(&points).into_iter().map(|index| points[index as usize]).collect();
-        let (radius, query) = (number().abs(), image.vectors(layout(3), &[number(), number(), number()])?);
-        let nodes = image.boxes(&points, radius)?;
-        (nodes, image.vectors(layout(3), points.as_flattened())?, query, radius * radius)
+        let (radius, query) = (number().abs(), [number(), number(), number()]);
+        let (nodes, query) = (image.boxes(&points, radius)?, place_vectors(random, image, layout(3), &query)?);
+        (nodes, place_vectors(random, image, layout(3), points.as_flattened())?, query, radius * radius)
     };
     let nodes = match random.random_range(0..12) {
         0 => query,

@@ -36,7 +36,7 @@ impl Design {
 
     /// The cycles of an episode of a campaign, without the jobs of one operation.
     fn episode(&self, seed: u64, number: u64, omitted: Option<OperationId>) -> Cycles {
-        let mut trace = Episode::new(&self.model, seed, number).trace();
+        let mut trace = Episode::new(&self.model, 1, seed, number).trace();
         trace.jobs.retain(|job| Some(job.kind()) != omitted);
         let stimulus = Stimulus {
             shape: self.shape.clone(),

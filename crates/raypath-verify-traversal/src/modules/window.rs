@@ -3,6 +3,7 @@
 use super::{Bench, CYCLES};
 use rand::RngExt;
 use rand::seq::SliceRandom;
+use std::cmp::Ordering;
 
 /// Compares the places of each window. Where there is no child, its words may be any.
 pub fn run(bench: &mut Bench) -> Result<(), String> {
@@ -20,20 +21,20 @@ pub fn run(bench: &mut Bench) -> Result<(), String> {
             let mut numbers = [0, 1, 2, 3];
             numbers.shuffle(&mut bench.random);
             let count = bench.random.random_range(0..=4);
-            let mut own: Vec<(u64, u64)> = Vec::new();
+            let mut own: Vec<(f32, u64)> = Vec::new();
             for number in &numbers[..count] {
-                let near = f32::from(bench.random.random_range(0..4_u8));
-                let distance = if bench.chance(4) { bench.random.random_range(0.0..4.0) } else { near };
-                own.push((f32::to_bits(distance).into(), *number));
+                let near = NEAR[bench.random.random_range(0..NEAR.len())];
+                let distance = if bench.chance(4) { bench.random.random_range(-2.0..3.0) } else { near };
+                own.push((distance, *number));
             }
-            own.sort_unstable();
+            own.sort_unstable_by(before);
             words[hit] = (1 << count) - 1;
             for (place, (distance, number)) in own.iter().enumerate() {
-                (words[tmin + place], words[index + place]) = (*distance, *number);
+                (words[tmin + place], words[index + place]) = (distance.to_bits().into(), *number);
             }
-            all.extend(own.into_iter().map(|(distance, number)| (distance, half, number)));
+            all.extend(own.into_iter().map(|(distance, number)| (distance, (half, number))));
         }
-        all.sort_unstable();
+        all.sort_unstable_by(before);
         let taken = bench.random.random_range(0..3);
         words[window] = taken as u64;
         words.iter().enumerate().for_each(|(input, &word)| bench.set(input, word));
@@ -41,13 +42,21 @@ pub fn run(bench: &mut Bench) -> Result<(), String> {
         let rest = all.get(3 * taken..).unwrap_or_default();
         let expected = (1 << rest.len().min(4)) - 1;
         let mut is_right = bench.get(hit) == expected;
-        for (place, &(distance, half, number)) in rest.iter().take(4).enumerate() {
-            is_right &= place == 0 || bench.get(tmin + place - 1) == distance;
+        for (place, &(distance, (half, number))) in rest.iter().take(4).enumerate() {
+            is_right &= place == 0 || bench.get(tmin + place - 1) == u64::from(distance.to_bits());
             is_right &= bench.get(index + place) == number && bench.get(upper) >> place & 1 == half;
         }
         if !is_right {
-            return Err(format!("case {case}, window {taken}: found others than {rest:x?}"));
+            return Err(format!("case {case}, window {taken}: found others than {rest:?}"));
         }
     }
     Ok(())
+}
+
+/// Distances that meet.
+const NEAR: [f32; 5] = [-1.0, -0.0, 0.0, 1.0, 2.0];
+
+/// The order of distances, and of numbers at the same distance.
+fn before<N: Ord>((a, m): &(f32, N), (b, n): &(f32, N)) -> Ordering {
+    a.partial_cmp(b).unwrap_or(Ordering::Equal).then(m.cmp(n))
 }

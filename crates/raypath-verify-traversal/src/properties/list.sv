@@ -70,3 +70,4 @@
   always_comb starts: assert (!(inserts_q && is_own_q) || word_q == 0);
   always_comb own: assert (!(inserts_q && is_own_q) || own_key_q != '1);
   always_comb carried_on: assert (!(inserts_q && !is_own_q) || carried[63:32] != '1);
+  always_comb within: assert (!(inserts_q || seeks_q) || word_q <= settings_candidate[B+3:4]);

@@ -130,6 +130,12 @@ impl ModelChecker {
         if self.abc.run(folder, REDUCE, LIMIT, stop)?.is_none() {
             return Ok(None);
         }
+        let (_, numbers) = header(&folder.join("reduced.aig"))?;
+        let (method, kind) = match numbers.get(2) {
+            // Methods for state refuse a graph without.
+            Some(0) => ("iprove", Method::Unbounded),
+            _ => (method, problem.method),
+        };
         // ABC's comment at the end holds the time.
         let graph = digest(&without_comment(read(&folder.join("reduced.aig"))?));
         let key = Key::new("graph", &[&graph, method, &self.abc.version]);
@@ -140,8 +146,8 @@ impl ModelChecker {
                 let undecided = (!stop.load(Ordering::Relaxed)).then_some(CheckResult::Undecided);
                 Ok::<_, Error>(output.map_or(undecided, |output| Some(result(&output, kind))))
             };
-            let found = run(method, problem.method)?;
-            if (found, problem.method) != (Some(CheckResult::Undecided), Method::Inductive) {
+            let found = run(method, kind)?;
+            if (found, kind) != (Some(CheckResult::Undecided), Method::Inductive) {
                 return Ok(found);
             }
             let refuted = run(&format!("bmc3 -F {REFUTED_CYCLES}"), Method::Bounded(REFUTED_CYCLES))?;
