@@ -42,8 +42,8 @@ impl Claim {
     }
 }
 
-/// The queues of the unit: the first has a claim with faults, and the others differ in the width of words.
-const QUEUES: [(Variant, &str); 9] = [
+/// The queues of the unit: the first has a claim with faults, and the others differ in the width of words and in depth.
+const QUEUES: [(Variant, &str); 17] = [
     (Variant::Plain, "raypath_unit_free"),
     (Variant::Plain, "raypath_unit_starts"),
     (Variant::Plain, "raypath_unit_arrivals"),
@@ -53,6 +53,14 @@ const QUEUES: [(Variant, &str); 9] = [
     (Variant::Plain, "raypath_unit_ended"),
     (Variant::Queries, "raypath_unit_decided"),
     (Variant::Queries, "raypath_unit_asked"),
+    (Variant::Searches, "raypath_search_found"),
+    (Variant::Searches, "raypath_search_kept"),
+    (Variant::Searches, "raypath_search_bursts"),
+    (Variant::Searches, "raypath_search_sent"),
+    (Variant::Searches, "raypath_search_codes"),
+    (Variant::Searches, "raypath_search_keys"),
+    (Variant::Searches, "raypath_search_entries"),
+    (Variant::Searches, "raypath_search_nodes"),
 ];
 
 /// Whether the properties of a module are all that it must do: of queues, and of the scheduler.

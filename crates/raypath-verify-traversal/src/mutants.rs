@@ -63,7 +63,7 @@ pub enum Fate {
 /// The time limit of an equivalence check.
 const LIMIT: Duration = Duration::from_secs(20);
 /// Episodes that run on each mutant, the short ones first.
-const EPISODES: u64 = 24;
+const EPISODES: u64 = 64;
 
 /// The modules of the least units besides the datapath and the floating-point units, which `mutation` has. A module
 /// that has the same text in several units is one subject, as is one of rays in a unit of searches.

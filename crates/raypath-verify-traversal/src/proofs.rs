@@ -118,9 +118,11 @@ impl Setting {
         texts.replace(RAM, include_str!("properties/ram.sv"));
         let UnitParameters { contexts, search, .. } = self.unit.parameters;
         let contexts = search.0.map_or(contexts, |search| search.contexts);
-        let mut bound = format!("  localparam int N = {contexts};\n");
+        let depth = module.memories().first().map_or(contexts, |words| words.depth);
+        let count = if claim.queue.is_some_and(|(path, _)| path.is_empty()) { depth } else { contexts };
+        let mut bound = format!("  localparam int N = {count};\n");
         if let Some((path, queue)) = claim.queue {
-            bound += &bindings::of_queue(path, self.module(queue)?, contexts);
+            bound += &bindings::of_queue(path, self.module(queue)?, count);
         }
         bound += &(claim.bindings)(self, module);
         Ok(texts.with(claim.module, &format!("{bound}{properties}{RESET}")) + include_str!("properties/lemmas.sv"))

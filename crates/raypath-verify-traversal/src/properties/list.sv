@@ -1,10 +1,9 @@
   // A list is sorted, and loses only what is behind it. Environment: each word that is read is sorted, as is each that
   // is written, and a search begins with words that are cleared; no vector has the key of nothing.
-  wire [63:0] p_nothing = '1;
   wire [14:0] p_old_sorted, p_new_sorted;
   for (genvar k = 0; k < 15; k++) begin : p_neighbours
-    assign p_old_sorted[k] = p_old[k] < p_old[k + 1] || (p_old[k] == p_nothing && p_old[k + 1] == p_nothing);
-    assign p_new_sorted[k] = p_new[k] < p_new[k + 1] || (p_new[k] == p_nothing && p_new[k + 1] == p_nothing);
+    assign p_old_sorted[k] = p_old[k] < p_old[k + 1] || (&p_old[k][63:32] && &p_old[k + 1][63:32]);
+    assign p_new_sorted[k] = p_new[k] < p_new[k + 1] || (&p_new[k][63:32] && &p_new[k + 1][63:32]);
   end
   always_comb assume (&p_old_sorted);
   always_comb assume (!(valid_i && kind_i == 3'd4) || key_i != '1);
@@ -14,18 +13,18 @@
   // Some candidate is followed: it is in the word that is written, or goes on to the next, if and only if it was in the
   // word that was read, or came from the word before. What goes on is behind the word.
   (* anyconst *) logic [63:0] p_some;
-  always_comb assume (p_some != p_nothing);
+  always_comb assume (p_some[63:32] != '1);
   wire [15:0] p_is_old, p_is_new, p_is_none;
   for (genvar k = 0; k < 16; k++) begin : p_each
     assign p_is_old[k] = p_old[k] == p_some;
     assign p_is_new[k] = p_new[k] == p_some;
-    assign p_is_none[k] = p_old[k][63:32] == 32'hffffffff;
+    assign p_is_none[k] = &p_old[k][63:32];
   end
   wire [63:0] p_behind = carried < p_old[15] ? p_old[15] : carried;
   wire p_was = |p_is_old || carried == p_some, p_is = |p_is_new || p_behind == p_some;
   always_comb kept: assert (!places || p_was == p_is);
-  always_comb behind: assert (!places || p_behind > p_new[15] || p_behind == p_nothing);
-  always_comb lost: assert (!places || inserts_on || is_last_word || p_behind[63:32] == 32'hffffffff);
+  always_comb behind: assert (!places || p_behind > p_new[15] || &p_behind[63:32]);
+  always_comb lost: assert (!places || inserts_on || is_last_word || &p_behind[63:32]);
   always_comb once: assert (!(inserts_q && is_there) || (!writes && p_old != '1));
   always_comb limit: assert (!(limits_o && !clear) ||
     (inserts_q && is_last_word && limit_o == p_new[15] && limit_context_o == context_q));

@@ -159,9 +159,12 @@ pub fn list(parameters: SearchParameters) -> Result<Arc<Module>, Error> {
         let (k, field) = (place / 3, place % 3);
         let marked = if field == 2 { entries[k][2] | chosen.bit(k as u32) } else { entries[k][field] };
         let of_insert = inserts.wire().mux(inserted(k, field), marked);
-        let cleared =
-            if field == 2 { when(!clears.wire(), of_insert) } else { of_insert | clears.wire().replicate(32) };
-        forward.drive(cleared);
+        // The index of no candidate may be any.
+        forward.drive(match field {
+            0 => of_insert | clears.wire().replicate(32),
+            1 => of_insert,
+            _ => when(!clears.wire(), of_insert),
+        });
     }
 
     m.output("limits_o", clear | is_full);
