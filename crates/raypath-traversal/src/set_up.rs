@@ -50,8 +50,8 @@ bundle! {
 /// The number of quotients of a ray.
 pub const QUOTIENTS: usize = 5;
 
-/// Whether the ray is refused before its quotients are known: a direction or an origin that is not finite, a range that is
-/// negative or NaN. A direction of zeros is too short, as its quotients tell.
+/// Whether the ray is refused before its quotients are known: a direction or an origin that is not finite, a range that
+/// is negative or NaN. A direction of zeros is not among them: [`Derived::is_too_short`] refuses it.
 #[inline]
 pub fn is_refused<C: WordCircuit>(c: C, entry: &Entry<C>) -> Bit<C> {
     let Entry { origin, dir, t_min, t_max } = entry;

@@ -26,7 +26,9 @@ pub const FOLDER: &str = "build/verify";
 
 /// The stream of the campaign's random numbers.
 const STREAM: u64 = 21;
-/// The number of jobs in an episode of a pipeline that holds at most 64 jobs.
+/// The jobs that a pipeline holds at most, whose episodes are the shortest.
+const SHALLOW: usize = 64;
+/// The number of jobs in the shortest episode.
 const JOBS_PER_EPISODE: u64 = 256;
 /// Its cycles with random handshakes; afterwards source and sink are always ready, and the remaining jobs pass.
 const EVENTFUL_CYCLES: u32 = 1200;
@@ -92,7 +94,7 @@ impl Entry {
 
     /// The episode with this number in the campaign of this seed: the deeper the pipeline, the longer.
     fn episode(&self, seed: u64, number: u64) -> Episode {
-        Episode::new(&self.model, self.shape.capacity().div_ceil(64) as u32, seed, number)
+        Episode::new(&self.model, self.shape.capacity().div_ceil(SHALLOW) as u32, seed, number)
     }
 
     /// Runs an episode up to the first difference.

@@ -118,12 +118,10 @@ impl Setting {
         texts.replace(RAM, include_str!("properties/ram.sv"));
         let UnitParameters { contexts, search, .. } = self.unit.parameters;
         let contexts = search.0.map_or(contexts, |search| search.contexts);
-        let depth = module.memories().first().map_or(contexts, |words| words.depth);
-        let count = if claim.queue.is_some_and(|(path, _)| path.is_empty()) { depth } else { contexts };
-        let mut bound = format!("  localparam int N = {count};\n");
-        if let Some((path, queue)) = claim.queue {
-            bound += &bindings::of_queue(path, self.module(queue)?, count);
-        }
+        let queue = claim.queue.map(|(path, name)| Ok::<_, Error>((path, self.module(name)?))).transpose()?;
+        let depth = queue.and_then(|(_, queue)| queue.memories().first()).map_or(contexts, |words| words.depth);
+        let mut bound = format!("  localparam int N = {depth};\n");
+        bound += &queue.map(|(path, queue)| bindings::of_queue(path, queue, depth)).unwrap_or_default();
         bound += &(claim.bindings)(self, module);
         Ok(texts.with(claim.module, &format!("{bound}{properties}{RESET}")) + include_str!("properties/lemmas.sv"))
     }

@@ -83,8 +83,8 @@ fn an_assertion_whose_state_falls_away_is_decided() {
     let same = "(q & b) == ~(~q | ~b)";
     for (condition, expected) in [(same, CheckResult::Holds), (&format!("{same} && !(a & b)"), CheckResult::Fails)] {
         let text = format!(
-            "module state (input clk, a, b); logic q; always_ff @(posedge clk) q <= a; always_comb assert ({condition}); \
-             endmodule"
+            "module state (input clk, a, b); logic q; always_ff @(posedge clk) q <= a; \
+             always_comb assert ({condition}); endmodule"
         );
         let (name, top) = ("state".to_string(), "state".to_string());
         for method in [Method::Inductive, Method::Unbounded, Method::Bounded(4)] {

@@ -148,8 +148,8 @@ fn case(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
         targets.iter().zip(values).map(assignment).collect()
     };
     let row = |(label, values): &(String, Vec<SignalId>)| [format!("{label}:"), assignments(values).concat().join(" ")];
-    let short = table("      ", &rows.iter().map(row).collect::<Vec<_>>());
-    if targets.len() == 1 && short.iter().all(|line| line.len() <= COLUMNS) {
+    let short = (targets.len() == 1).then(|| table("      ", &rows.iter().map(row).collect::<Vec<_>>()));
+    if let Some(short) = short.filter(|lines| lines.iter().all(|line| line.len() <= COLUMNS)) {
         lines.extend(short);
     } else {
         for (label, values) in &rows {

@@ -37,8 +37,8 @@ impl SearchImage {
         &self.bytes
     }
 
-    /// Its bytes, for what is between elements, or damaged.
-    pub fn bytes_mut(&mut self) -> &mut [u8] {
+    /// Its bytes, to change those behind the elements of a vector.
+    pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
         &mut self.bytes
     }
 
