@@ -1,15 +1,21 @@
 //! Proofs of the control: they hold for the design, and the same commands find deliberate faults.
 
 use raypath_hdl::Builder;
+use raypath_hdl::mutate::{Fault, faults};
 use raypath_rtl::{Config, Control, DatapathNetlist, Interval, Lanes, UnitLatency};
 use raypath_verify::safety::{CheckResult, ModelChecker, ModuleTexts, TextFault};
-use raypath_verify_datapath::control::{data_faults, never_leaves, problems, structural_faults};
+use raypath_verify_datapath::control::{data_faults, never_leaves, problems, structural_faults, together};
 use std::sync::atomic::AtomicBool;
 
 static GO: AtomicBool = AtomicBool::new(false);
 
 fn config(control: Control) -> Config {
     Config::DEFAULT.control(control).lanes(Lanes::Two).unit_latency(UnitLatency::TWO)
+}
+
+/// A pipeline with a memory at its exit.
+fn deep() -> Config {
+    config(Control::Credit).lanes(Lanes::None).unit_latency(UnitLatency { sums: 5, products: 4 })
 }
 
 /// The result of the problem whose name begins with `name`, of a design with a fault.
@@ -26,6 +32,7 @@ fn result(config: Config, name: &str, fault: TextFault) -> Option<CheckResult> {
 #[test]
 fn faults_are_found() {
     let (skid, credit) = (config(Control::Skid), config(Control::Credit));
+    let deep = deep();
     let one = credit.unit_latency(UnitLatency::ONE);
     let folded = |control| Config::DEFAULT.control(control).lanes(Lanes::None).interval(Interval::Four);
     let (folded_skid, folded_credit) = (folded(Control::Skid), folded(Control::Credit));
@@ -48,6 +55,16 @@ fn faults_are_found() {
         (folded_skid, "raypath: raypath_order", "raypath_stage_2", "if (at_1_i)", "if (1'b0)"),
         // A job that overtakes those that wait at the exit.
         (one, "raypath_stage_11: raypath_order", "raypath_exit", "valid_i & (stored | ~leaves)", "valid_i & ~leaves"),
+        // A job that passes those in the memory.
+        (deep, "raypath_stage_11: raypath_order", "raypath_stage_11", "& ~is_any_waiting & (takes", "& (takes"),
+        // A job that is read twice.
+        (
+            deep,
+            "raypath_stage_11: raypath_order",
+            "raypath_stage_11",
+            "read_q      <= read_q + {5'd0, fetches}",
+            "read_q <= read_q",
+        ),
         // An output that changes while it is stalled.
         (one, "raypath: raypath_stall", "raypath_exit", "= leaves & (stored | valid_i)", "= stored | valid_i"),
         // A beat that reads before the one before has written.
@@ -74,6 +91,27 @@ fn the_structure_holds_and_jobs_leave() {
         // A wrong number of assertions is an error.
         never.assertions = 2;
         checker.check(&never, &GO).expect_err("one assertion and not two");
+    }
+}
+
+/// Each fault of what loads and selects a word's registers, in a skid buffer, an exit of registers, and one of a memory.
+#[test]
+fn a_word_that_loads_without_the_opcode_is_found() {
+    let credit = config(Control::Credit);
+    for (config, from_last) in [(config(Control::Skid), 2), (credit, 1), (deep(), 1)] {
+        let datapath = DatapathNetlist::new(config).expect("a datapath");
+        let step = datapath.module(datapath.steps().count() - from_last).expect("a step");
+        assert_eq!(together(step), Vec::<String>::new());
+        let loads = |fault: &Fault| {
+            let text = fault.to_string();
+            let place = text.split(": ").next().unwrap_or_default();
+            place.contains(" num_0_") && !place.ends_with("_d")
+        };
+        let all: Vec<Fault> = faults(step).into_iter().filter(loads).collect();
+        assert!(all.len() > 10, "{all:?}");
+        for fault in all {
+            assert_ne!(together(&fault.apply(step).expect("a faulty step")), Vec::<String>::new(), "{fault}");
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! Lemmas are assertions in the proof only, not in the emitted design. They are proved together with the checker's
 //! assertions.
 
-use raypath_hdl::Module;
+use raypath_hdl::{MemoryInfo, Module};
 use raypath_rtl::{Config, Control, DatapathNetlist};
 
 /// The lemmas for the whole pipeline, as text to insert into its module.
@@ -53,11 +53,20 @@ pub fn of_pipeline(datapath: &DatapathNetlist, config: Config) -> String {
 pub fn of_exit(datapath: &DatapathNetlist) -> String {
     let mut lemmas = Lemmas::new(datapath, 1);
     if let Some(module) = datapath.module(datapath.steps().count() - 1) {
-        lemmas.exit(&Step::new(String::new(), module), lemmas.full - 1);
+        let step = Step::new(String::new(), module);
+        match module.memories().first() {
+            Some(memory) => lemmas.deep_exit(&step, module, memory),
+            None => lemmas.exit(&step, lemmas.full - 1),
+        }
     }
     lemmas.assert("environment_q == lemma_count".to_string());
     lemmas.end()
 }
+
+/// The words of a memory as a net, to insert into [`RAM`](raypath_hdl::verilog::RAM).
+pub const WORDS: &str = "  logic [Depth*Width-1:0] all_words;\n  \
+     for (genvar place = 0; place < Depth; place = place + 1) begin : g_words\n    \
+     assign all_words[place*Width +: Width] = words[place];\n  end\n";
 
 /// A step of the pipeline.
 struct Step {
@@ -201,6 +210,42 @@ impl Lemmas {
         self.lemmas.push(format!("((in_turn ^ lemma_inside[{width} +: {all}]) & ~unused) == 0"));
         self.before += 1;
         self.counter(format!("before_{} + {waiting}", self.before - 1));
+    }
+
+    /// The slots of an exit with a memory: the front and the job behind it, the next, and the jobs in the memory, from
+    /// its read pointer on.
+    fn deep_exit(&mut self, step: &Step, module: &Module, memory: &MemoryInfo) {
+        self.exit(step, 1);
+        let next = self.observe("next_full", 1, "next_full_q");
+        let opcode = self.observe("opcode_next", self.width, "opcode_next");
+        self.slot(&next, &opcode, None);
+
+        let (depth, width) = (memory.depth as usize, self.width);
+        let bits_of_word: usize = memory.columns.iter().map(|column| module.signal(column.read).width as usize).sum();
+        let words = self.observe("words", depth * bits_of_word, &format!("{}.all_words", memory.name));
+        let address = bits(depth - 1);
+        let [waiting, write, read] =
+            [("in_memory", "waiting_q", address + 1), ("to", "write_q", address), ("from", "read_q", address)]
+                .map(|(name, register, width)| self.observe(name, width, register));
+        // Opcodes are the highest bits of a word.
+        let opcodes: Vec<String> =
+            (1..=depth).rev().map(|end| format!("{words}[{} -: {width}]", end * bits_of_word - 1)).collect();
+        let high = depth * width - 1;
+        let opcodes = opcodes.join(", ");
+        let before = self.before;
+        self.nets += &format!(
+            "  logic [{high}:0] kept;\n  assign kept = {{{opcodes}}};\n  \
+             logic [{high}:0] kept_in_turn;\n  assign kept_in_turn = {{kept, kept}} >> (32'd{width} * {read});\n  \
+             logic [{high}:0] empty;\n  assign empty = '1 << (32'd{width} * {waiting});\n  \
+             logic [{high}:0] expected;\n  assign expected = lemma_inside >> (32'd{width} * before_{before});\n"
+        );
+        self.assert(format!("!{next} || (lemma_front && lemma_waiting == 1)"));
+        self.assert(format!("{waiting} == 0 || {next}"));
+        self.assert(format!("{waiting} <= {}", self.full - 3));
+        self.assert(format!("{write} == {address}'({read} + {waiting})"));
+        self.assert("((kept_in_turn ^ expected) & ~empty) == 0".to_string());
+        self.before += 1;
+        self.counter(format!("before_{before} + {waiting}"));
     }
 
     /// The jobs before the exit of a folded pipeline: a slot for each position, whose opcode is in the registers before

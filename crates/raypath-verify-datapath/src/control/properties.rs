@@ -1,6 +1,7 @@
 //! The properties to prove of a datapath: of each step, of the entrance, and of the whole pipeline.
 
 use super::lemmas;
+use raypath_hdl::verilog::RAM;
 use raypath_rtl::{Bind, Checker, Config, Control, DatapathNetlist, UnitLatency};
 use raypath_tools::ToolError;
 use raypath_verify::Error;
@@ -14,6 +15,8 @@ pub fn problems(datapath: &DatapathNetlist, config: Config, texts: &ModuleTexts)
     let properties = datapath.properties();
     let mut modules: Vec<&str> = properties.binds().iter().map(|bind| bind.module.as_str()).collect();
     modules.dedup();
+    let mut with_words = texts.clone();
+    with_words.append(RAM, lemmas::WORDS);
     let mut problems = Vec::new();
     for module in modules {
         let own: Vec<&Bind> = properties.binds().iter().filter(|bind| bind.module == module).collect();
@@ -42,9 +45,9 @@ pub fn problems(datapath: &DatapathNetlist, config: Config, texts: &ModuleTexts)
         }
         for (binds, method) in [(others, Method::Unbounded), (order, Method::Inductive)] {
             if !binds.is_empty() {
-                let (besides, more) = match method {
-                    Method::Inductive => (environment.clone() + &lemmas(), 1),
-                    _ => (environment.clone(), 0),
+                let (texts, besides, more) = match method {
+                    Method::Inductive => (&with_words, environment.clone() + &lemmas(), 1),
+                    _ => (texts, environment.clone(), 0),
                 };
                 let problem = problem(texts, module, &binds, &besides, method);
                 problems.push(SafetyProblem { assertions: problem.assertions + more, ..problem });

@@ -1,8 +1,9 @@
 //! Structural checks of the netlist: the steps form a chain, in each step all data registers load with the opcode's,
 //! and no handshake and no opcode depends on data.
 
-use raypath_hdl::{Driver, Module, RegisterInfo, SignalId, depends_combinationally, influences};
+use raypath_hdl::{Driver, MemoryInfo, Module, RegisterInfo, SignalId, depends_combinationally, influences};
 use raypath_rtl::{Config, Control, DatapathNetlist};
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// The faults in a datapath's structure; empty if it is as required.
@@ -90,30 +91,80 @@ fn source(module: &Module, mut signal: SignalId) -> SignalId {
     signal
 }
 
-/// Checks that the registers of a step load together: every data register (without reset) has a counterpart among the
-/// opcode's registers, loads when that one loads, and takes the counterpart of the value that that one takes.
+/// Checks that the registers of a step load together: in what is shown of a word, each register (without reset), and
+/// each column of the memory that opcodes wait in, stands where one of the opcode's does, and takes what arrives of the
+/// word when that one takes the opcode.
 pub fn together(module: &Module) -> Vec<String> {
-    let name = |register: &RegisterInfo| module.signal(register.signal).name.clone().unwrap_or_default();
-    let data: Vec<(&RegisterInfo, String)> = module
-        .registers()
-        .iter()
-        .filter(|register| register.reset.is_none())
-        .map(|register| (register, name(register)))
-        .collect();
-    let mut faults = Vec::new();
-    for (register, own) in &data {
-        let suffix = suffix(own);
-        let stem = own.strip_suffix(&suffix).unwrap_or(own);
-        let find = |name: String| data.iter().find(|(_, other)| *other == name).map(|(register, _)| *register);
-        let matches = find(format!("opcode{suffix}")).is_some_and(|opcode| {
-            let sibling = |other: &str| find(format!("{stem}{other}")).zip(find(format!("opcode{other}")));
-            loads_with(module, register, opcode) && same_load(module, register, opcode, &sibling)
-        });
-        if !matches {
-            faults.push(format!("{}: {own} does not load with the opcode", module.name()));
+    let outputs = module.outputs();
+    let opcode = outputs.iter().find(|port| port.stem() == "opcode").map(|port| port.signal);
+    let mut loaded = HashSet::new();
+    for output in outputs {
+        let mut word = Counterparts { module, of: HashMap::new() };
+        if opcode.is_some_and(|opcode| word.agree(output.signal, opcode)) {
+            loaded.extend(word.of.into_values());
         }
     }
-    faults
+    let waits = |memory: &&MemoryInfo| memory.columns.iter().any(|column| loaded.contains(&column.read));
+    let columns = module.memories().iter().filter(waits).flat_map(|memory| &memory.columns).map(|column| column.read);
+    let data = module.registers().iter().filter(|register| register.reset.is_none()).map(|register| register.signal);
+    let name = |signal| module.signal(signal).name.clone().unwrap_or_default();
+    let fault = |signal| format!("{}: {} does not load with the opcode", module.name(), name(signal));
+    data.chain(columns).filter(|signal| !loaded.contains(signal)).map(fault).collect()
+}
+
+/// A word's signals beside the opcode's.
+struct Counterparts<'m> {
+    module: &'m Module,
+    /// For each signal behind the opcode that is shown, the word's.
+    of: HashMap<SignalId, SignalId>,
+}
+
+impl Counterparts<'_> {
+    /// Whether the logic behind a signal of the word is that behind the opcode's. Behind the opcode that arrives, an
+    /// input, the word has whatever computes it, the same wherever it is taken.
+    fn agree(&mut self, own: SignalId, opcode: SignalId) -> bool {
+        let (own, opcode) = (source(self.module, own), source(self.module, opcode));
+        if let Some(&known) = self.of.get(&opcode) {
+            return known == own;
+        }
+        self.of.insert(opcode, own);
+        match (&self.module.signal(own).driver, &self.module.signal(opcode).driver) {
+            (_, Driver::Input) => true,
+            (&Driver::Register(own), &Driver::Register(opcode)) => {
+                let [own, opcode] = [own, opcode].map(|register| &self.module.registers()[register]);
+                loads_with(self.module, own, opcode) && self.agree(own.next, opcode.next)
+            }
+            (&Driver::Memory { memory, column }, &Driver::Memory { memory: same, column: other }) => {
+                let columns = &self.module.memories()[memory].columns;
+                memory == same && self.agree(columns[column].written, columns[other].written)
+            }
+            (
+                &Driver::Mux { select, if_true, if_false },
+                &Driver::Mux { select: same, if_true: opcode_true, if_false: opcode_false },
+            ) => {
+                bit(self.module, Some(select)) == bit(self.module, Some(same))
+                    && self.agree(if_true, opcode_true)
+                    && self.agree(if_false, opcode_false)
+            }
+            (&Driver::Or(a, b), &Driver::Or(opcode_a, opcode_b)) => self.agree(a, opcode_a) && self.agree(b, opcode_b),
+            (&Driver::And(word, mask), &Driver::And(opcode, same)) => {
+                self.mask(mask).is_some_and(|bit| self.mask(same) == Some(bit)) && self.agree(word, opcode)
+            }
+            _ => false,
+        }
+    }
+
+    /// The bit that a mask repeats.
+    fn mask(&self, mask: SignalId) -> Option<(SignalId, u32)> {
+        let mask = source(self.module, mask);
+        match &self.module.signal(mask).driver {
+            Driver::Concat(parts) => {
+                let first = parts.first()?;
+                parts.iter().all(|part| part == first).then(|| bit(self.module, Some(*first)))?
+            }
+            _ => bit(self.module, Some(mask)),
+        }
+    }
 }
 
 /// Whether a register loads with the opcode's. Behind a clock gate it may load less often: the conjunction of the
@@ -132,89 +183,5 @@ fn bit(module: &Module, signal: Option<SignalId>) -> Option<(SignalId, u32)> {
     match module.signal(signal).driver {
         Driver::Slice { source: whole, low } => Some((source(module, whole), low)),
         _ => Some((signal, 0)),
-    }
-}
-
-/// A register name's suffix: `_spare_q`, `_store_3_q` or `_q`.
-fn suffix(name: &str) -> String {
-    if name.ends_with("_spare_q") {
-        return "_spare_q".to_string();
-    }
-    match name.rfind("_store_") {
-        Some(begin) => name[begin..].to_string(),
-        None => "_q".to_string(),
-    }
-}
-
-/// Whether two registers select alike between the arriving word and the waiting word.
-fn same_load<'m>(
-    module: &'m Module,
-    register: &RegisterInfo,
-    opcode: &RegisterInfo,
-    sibling: &dyn Fn(&str) -> Option<(&'m RegisterInfo, &'m RegisterInfo)>,
-) -> bool {
-    let driver = |signal| &module.signal(source(module, signal)).driver;
-    // The arriving word is the next value of the first register behind the front.
-    let arrives = |other: &str, wire: SignalId| {
-        sibling(other).is_some_and(|(own, _)| source(module, own.next) == source(module, wire))
-    };
-    let spare = sibling("_spare_q");
-    let store = sibling("_store_0_q");
-    let is_front = suffix(&module.signal(register.signal).name.clone().unwrap_or_default()) == "_q";
-    match (driver(register.next), driver(opcode.next)) {
-        (
-            Driver::Mux { select, if_true, if_false },
-            Driver::Mux { select: opcode_select, if_false: opcode_false, .. },
-        ) if is_front && (spare.is_some() || store.is_some()) => {
-            let same_select = select == opcode_select;
-            match (spare, store) {
-                (Some((own, others)), _) => {
-                    same_select
-                        && arrives("_spare_q", *if_true)
-                        && source(module, *if_false) == own.signal
-                        && source(module, *opcode_false) == others.signal
-                }
-                (None, _) => {
-                    same_select && arrives("_store_0_q", *if_false) && same_oldest(module, *if_true, opcode.next)
-                }
-            }
-        }
-        // Behind the front every register takes the arriving word, and so does that of a step without waiting words.
-        _ if is_front => spare.is_none() && store.is_none(),
-        _ => store.is_none_or(|(own, _)| source(module, own.next) == source(module, register.next)),
-    }
-}
-
-/// Whether a word is the OR of stored words, each masked by the same bit as the opcode's stored word.
-fn same_oldest(module: &Module, oldest: SignalId, opcode_next: SignalId) -> bool {
-    let Driver::Mux { if_true, .. } = module.signal(source(module, opcode_next)).driver else { return false };
-    let (own, opcode) = (masked(module, oldest), masked(module, if_true));
-    own.is_some() && own == opcode
-}
-
-/// The stored words of an OR of masked words, each with its mask's pointer and bit, in the order of their names.
-fn masked(module: &Module, word: SignalId) -> Option<Vec<(String, SignalId, u32)>> {
-    let signal = source(module, word);
-    match module.signal(signal).driver {
-        Driver::Or(a, b) => {
-            let mut all = masked(module, a)?;
-            all.extend(masked(module, b)?);
-            all.sort();
-            Some(all)
-        }
-        Driver::And(stored, mask) => {
-            let place = suffix(module.signal(source(module, stored)).name.as_deref()?);
-            let mut mask = source(module, mask);
-            if let Driver::Concat(parts) = &module.signal(mask).driver {
-                let first = *parts.first()?;
-                mask = source(module, first);
-                if parts.iter().any(|&part| part != first) {
-                    return None;
-                }
-            }
-            let Driver::Slice { source: pointer, low } = module.signal(mask).driver else { return None };
-            Some(vec![(place, source(module, pointer), low)])
-        }
-        _ => None,
     }
 }

@@ -58,6 +58,15 @@ impl ModuleTexts {
         self.modules.iter_mut().filter(|(own, _)| own == name).for_each(|(_, own)| *own = text.to_string());
     }
 
+    /// Inserts a text before the end of a module, if it is there.
+    pub fn append(&mut self, name: &str, inside: &str) {
+        for (_, text) in self.modules.iter_mut().filter(|(own, _)| own == name) {
+            if let Some((head, _)) = text.rsplit_once("endmodule") {
+                *text = format!("{head}{inside}\nendmodule\n");
+            }
+        }
+    }
+
     /// A module with `inside` before its end, and the modules below it. There is no other text, so that equal modules
     /// of different datapaths have equal texts.
     pub fn with(&self, module: &str, inside: &str) -> String {
@@ -70,15 +79,11 @@ impl ModuleTexts {
             let new: Vec<&str> = self.modules.iter().map(|(name, _)| name.as_str()).filter(is_new).collect();
             below.extend(new);
         }
-        let mut all = String::new();
         let is_needed = |name: &str, text: &str| below.contains(&name) || text.contains("\nendpackage");
-        for (name, text) in self.modules.iter().filter(|(name, text)| is_needed(name, text)) {
-            match text.rsplit_once("endmodule").filter(|_| name == module) {
-                Some((head, _)) => all += &format!("{head}{inside}\nendmodule\n"),
-                None => all += text,
-            }
-        }
-        all
+        let needed = self.modules.iter().filter(|(name, text)| is_needed(name, text)).cloned();
+        let mut needed = Self { modules: needed.collect() };
+        needed.append(module, inside);
+        needed.modules.into_iter().map(|(_, text)| text).collect()
     }
 }
 
