@@ -29,7 +29,7 @@ fn the_same_rules_agree_through_events() {
     for rules in [Rules::Paper, Rules::Chisel] {
         let mut resets = 0;
         for seed in 0..8 {
-            let mut traffic = Traffic::eventful(seed, 12_000);
+            let mut traffic = Traffic::eventful(seed, 12_000, 1);
             let mut events = traffic.clone();
             resets += (0..12_000).filter(|_| events.next_cycle().resets).count();
             let jobs = random(&model(rules), Format::BINARY32, seed, &JobKind::ALL).take(12_000);

@@ -58,19 +58,25 @@ impl Traffic {
     /// Random bubbles and stalls, reproducible by `seed`.
     pub fn random(seed: u64) -> Self {
         let rng = CloneableRng(ChaCha8Rng::seed_from_u64(seed));
-        let [source, sink] = [(); 2].map(|()| HandshakePattern::PHASES);
+        let [source, sink] = [(); 2].map(|()| HandshakePattern::phases(1));
         let random = RandomTraffic { rng, source, sink, resets: 0.0, withdraws: 0.0, cycles_left: None };
         Self(Pattern::Random(Box::new(random)))
     }
 
     /// Random handshake patterns of source and sink for this many cycles, for most seeds with resets in random cycles,
-    /// and for many with withdrawn jobs. Afterwards the source always offers and the sink is always ready.
-    pub fn eventful(seed: u64, cycles: u32) -> Self {
+    /// and for many with withdrawn jobs. Afterwards the source always offers and the sink is always ready. Phases that
+    /// fill and drain a pipeline are so many times as long as those for 64 jobs, and resets as rare.
+    pub fn eventful(seed: u64, cycles: u32, times: u32) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let (source, sink) = (HandshakePattern::random(&mut rng), HandshakePattern::random(&mut rng));
+        let (source, sink) = (HandshakePattern::random(&mut rng, times), HandshakePattern::random(&mut rng, times));
         let mut one_of = |chances: [f64; 4]| chances[rng.random_range(0..chances.len())];
         let (resets, withdraws) = (one_of([0.0, 0.003, 0.01, 0.03]), one_of([0.0, 0.0, 0.02, 0.2]));
-        let rng = CloneableRng(rng);
+        // Beats of a sum, which wait for each other, fill a deep pipeline slowly.
+        let (source, sink, resets) = match rng.random_ratio(1, 8) {
+            true => (HandshakePattern::Chance(0.5), HandshakePattern::bursts([60 * times, 600 * times]), 0.0),
+            false => (source, sink, resets),
+        };
+        let (rng, resets) = (CloneableRng(rng), resets / f64::from(times));
         let random = RandomTraffic { rng, source, sink, resets, withdraws, cycles_left: Some(cycles) };
         Self(Pattern::Random(Box::new(random)))
     }
@@ -147,8 +153,8 @@ enum HandshakePattern {
     Chance(f64),
     /// Alternates between acting for at most `longest[0]` cycles and pausing for at most `longest[1]`.
     Bursts { longest: [u32; 2], acting: bool, cycles_left: u32 },
-    /// Acts with a probability that is drawn again after a random number of cycles.
-    Phases { probability: f64, cycles_left: u32 },
+    /// Acts with a probability that is drawn again after a random number of cycles, at most `longest`.
+    Phases { longest: u32, probability: f64, cycles_left: u32 },
 }
 
 /// The probabilities of a phase. Phases with low probability are long enough to fill or drain the pipeline.
@@ -156,11 +162,18 @@ const PROBABILITIES: [f64; 6] = [1.0, 0.9, 0.5, 0.1, 0.01, 0.0];
 const MAX_PHASE_CYCLES: u32 = 80;
 
 impl HandshakePattern {
-    const PHASES: Self = Self::Phases { probability: 0.0, cycles_left: 0 };
+    /// Phases, so many times as long as those for a pipeline of 64 jobs.
+    fn phases(times: u32) -> Self {
+        Self::Phases { longest: MAX_PHASE_CYCLES * times, probability: 0.0, cycles_left: 0 }
+    }
+
+    fn bursts(longest: [u32; 2]) -> Self {
+        Self::Bursts { longest, acting: true, cycles_left: 0 }
+    }
 
     /// A random pattern. Patterns that keep the datapath busy are more likely than those that make it wait.
-    fn random(rng: &mut ChaCha8Rng) -> Self {
-        let bursts = |longest| Self::Bursts { longest, acting: true, cycles_left: 0 };
+    fn random(rng: &mut ChaCha8Rng, times: u32) -> Self {
+        let bursts = Self::bursts;
         match rng.random_range(0..16) {
             0..=4 => Self::Always,
             5 => Self::Chance(0.01),
@@ -168,8 +181,8 @@ impl HandshakePattern {
             8 => Self::Chance(0.9),
             9 | 10 => bursts([12, 12]),
             11 => bursts([40, 3]),
-            12 | 13 => bursts([60, 120]),
-            _ => Self::PHASES,
+            12 | 13 => bursts([60 * times, 120 * times]),
+            _ => Self::phases(times),
         }
     }
 
@@ -178,10 +191,10 @@ impl HandshakePattern {
         match self {
             Self::Always => true,
             Self::Chance(chance) => rng.random_bool(*chance),
-            Self::Phases { probability, cycles_left } => {
+            Self::Phases { longest, probability, cycles_left } => {
                 if *cycles_left == 0 {
                     *probability = PROBABILITIES[rng.random_range(0..PROBABILITIES.len())];
-                    *cycles_left = rng.random_range(1..=MAX_PHASE_CYCLES);
+                    *cycles_left = rng.random_range(1..=*longest);
                 }
                 *cycles_left -= 1;
                 rng.random_bool(*probability)

@@ -143,7 +143,7 @@ impl Episode {
         });
         let jobs = jobs.collect();
         let eventful_cycles = EVENTFUL_CYCLES * length;
-        let traffic = Traffic::eventful(rng.random(), eventful_cycles);
+        let traffic = Traffic::eventful(rng.random(), eventful_cycles, length);
         Self { jobs, traffic, eventful_cycles, initial: rng.random() }
     }
 
