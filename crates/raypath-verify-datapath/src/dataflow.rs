@@ -86,7 +86,8 @@ pub fn still_computes(config: Config, top: &Arc<Module>, limit: Duration) -> Res
     let (subject, stop) = (ProvedDatapath::from(config), &AtomicBool::new(false));
     let datapath = subject.elaborate()?;
     let top = with_enables(top);
-    let design = prover.design(&ModuleTexts::new(&top)?.with(top.name(), ""), top.name(), stop)?;
+    let mut design = prover.design(&ModuleTexts::new(&top)?.with(top.name(), ""), top.name(), stop)?;
+    design.add_multipliers(&top)?;
     for problem in subject.problems(&datapath, &design, true)? {
         if prover.failure(&problem, true, stop)?.is_some() {
             return Ok(false);
@@ -226,7 +227,8 @@ impl DataflowProver {
                 ToolError::unexpected("raypath", format!("no '{}' in {}", fault.from, fault.module), "it").into()
             );
         }
-        let design = self.design(&texts.with(top.name(), ""), top.name(), stop)?;
+        let mut design = self.design(&texts.with(top.name(), ""), top.name(), stop)?;
+        design.add_multipliers(&top)?;
         let mut problems = subject.problems(&datapath, &design, false)?;
         let conversions: BTreeSet<Conversion> =
             problems.iter().flat_map(|problem| problem.conversions.clone()).collect();

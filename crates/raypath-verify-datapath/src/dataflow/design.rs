@@ -1,9 +1,12 @@
 //! A design as Yosys reads it, in the format BTOR2 (Niemetz et al. 2018), and the units that were taken out of it.
 
+use raypath_hdl::{Module, combinational_inputs, verilog};
 use raypath_tools::ToolError;
 use raypath_verify::Error;
-use serde_json::Value;
-use std::collections::{BTreeMap, HashMap};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// The number of a node in a BTOR2 file.
 pub(super) type Id = u64;
@@ -45,11 +48,57 @@ pub(super) enum NodeKind {
     Operator { name: String, operands: Vec<Id>, numbers: Vec<u32> },
 }
 
-/// The ports of a unit, by name without the direction, with their widths, in the order of their declaration.
+/// The ports of a unit, by name without the direction, with their widths, in the order of the names.
 #[derive(Debug, Default, Clone)]
 pub(super) struct UnitModule {
     pub inputs: Vec<(String, u32)>,
     pub outputs: Vec<(String, u32)>,
+    /// The inputs that multipliers with registers read, which no other output follows from.
+    pub factors: BTreeSet<String>,
+    /// The outputs that these multipliers show, [`MULTIPLIER_CYCLES`] later.
+    pub products: BTreeSet<String>,
+}
+
+/// The cycles of a multiplier with registers of its own: before and behind the product.
+pub(super) const MULTIPLIER_CYCLES: u32 = 2;
+
+impl UnitModule {
+    /// The inputs that an output follows from.
+    pub fn operands(&self, output: &str) -> impl Iterator<Item = &str> {
+        let is_product = self.products.contains(output);
+        let inputs = self.inputs.iter().map(|(name, _)| name.as_str());
+        inputs.filter(move |name| self.factors.contains(*name) == is_product)
+    }
+}
+
+/// What is read of a netlist in Yosys's JSON, which has a number for each bit of each cell.
+#[derive(Deserialize)]
+struct Netlist {
+    modules: BTreeMap<String, ModuleOfNetlist>,
+}
+
+#[derive(Deserialize)]
+struct ModuleOfNetlist {
+    attributes: Attributes,
+    ports: BTreeMap<String, PortOfNetlist>,
+    cells: BTreeMap<String, CellOfNetlist>,
+}
+
+#[derive(Deserialize)]
+struct Attributes {
+    blackbox: Option<IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+struct PortOfNetlist {
+    direction: String,
+    bits: Vec<IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+struct CellOfNetlist {
+    #[serde(rename = "type")]
+    kind: String,
 }
 
 impl Design {
@@ -123,25 +172,43 @@ impl Design {
 
     /// Adds the units: the cells of modules that Yosys knows by their ports alone.
     fn add_units(&mut self, json: &str, top: &str) -> Result<(), Error> {
-        let json: Value = serde_json::from_str(json).map_err(|problem| unexpected(&problem.to_string(), "JSON"))?;
-        let objects = |value: &Value| value.as_object().cloned().unwrap_or_default();
-        for (name, module) in objects(&json["modules"]) {
-            if module["attributes"]["blackbox"].is_null() {
-                continue;
-            }
+        let Netlist { modules } =
+            serde_json::from_str(json).map_err(|problem| unexpected(&problem.to_string(), "a netlist in JSON"))?;
+        for (name, module) in modules.iter().filter(|(_, module)| module.attributes.blackbox.is_some()) {
             let mut unit = UnitModule::default();
-            for (port, contents) in objects(&module["ports"]) {
-                let width = contents["bits"].as_array().map_or(0, Vec::len) as u32;
+            for (port, PortOfNetlist { direction, bits }) in module.ports.iter().filter(|(port, _)| *port != "clk_i") {
                 let stem = port.rsplit_once('_').map_or(port.as_str(), |(stem, _)| stem).to_string();
-                let side = if contents["direction"] == "input" { &mut unit.inputs } else { &mut unit.outputs };
-                side.push((stem, width));
+                let side = if direction == "input" { &mut unit.inputs } else { &mut unit.outputs };
+                side.push((stem, bits.len() as u32));
             }
-            self.modules.insert(name, unit);
+            self.modules.insert(name.clone(), unit);
         }
-        for (cell, contents) in objects(&json["modules"][top]["cells"]) {
-            let module = contents["type"].as_str().unwrap_or_default();
-            if self.modules.contains_key(module) {
-                self.units.insert(cell, module.to_string());
+        for (cell, CellOfNetlist { kind }) in
+            modules.into_iter().filter(|(name, _)| name == top).flat_map(|(_, it)| it.cells)
+        {
+            if self.modules.contains_key(&kind) {
+                self.units.insert(cell, kind);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds which ports of the units below a module are those of multipliers with registers.
+    ///
+    /// # Errors
+    /// A unit has a combinational loop.
+    pub fn add_multipliers(&mut self, top: &Arc<Module>) -> Result<(), Error> {
+        for module in verilog::modules(top)?.iter().filter(|module| module.is_clocked()) {
+            let Some(unit) = self.modules.get_mut(module.name()) else { continue };
+            unit.factors = unit.inputs.iter().map(|(name, _)| name.clone()).collect();
+            for port in module.outputs() {
+                let inputs = combinational_inputs(module, &[&port.name])?;
+                if inputs.is_empty() {
+                    unit.products.insert(port.stem().to_string());
+                }
+                for input in module.inputs().iter().filter(|input| inputs.contains(&input.name.as_str())) {
+                    unit.factors.remove(input.stem());
+                }
             }
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! A problem in SMT-LIB 2: bit-vectors, each defined once, and uninterpreted functions of bit-vectors.
 
-use std::collections::{BTreeMap, HashMap};
+use num_bigint::BigUint;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Write;
 
 /// A bit-vector of a script.
@@ -17,6 +18,14 @@ impl std::fmt::Display for Term {
     }
 }
 
+/// What a term is made of.
+#[derive(Debug, Clone, Copy)]
+enum Parts {
+    /// Bits of a term, from this one on.
+    Slice(Term, u32),
+    Concatenation(Term, Term),
+}
+
 /// The bits of a weight.
 const WEIGHT: u32 = 32;
 
@@ -24,8 +33,12 @@ const WEIGHT: u32 = 32;
 #[derive(Debug, Default)]
 pub struct Script {
     functions: BTreeMap<String, (Vec<u32>, u32)>,
-    definitions: String,
+    /// Declarations, definitions and assumptions, a line each.
+    lines: Vec<String>,
     terms: HashMap<String, Term>,
+    known: HashMap<Term, BigUint>,
+    /// What slices and concatenations are made of.
+    made_of: HashMap<Term, Parts>,
     count: u32,
 }
 
@@ -33,7 +46,7 @@ impl Script {
     /// A bit-vector of any value.
     pub fn free(&mut self, width: u32) -> Term {
         let term = self.next(width);
-        let _ = writeln!(self.definitions, "(declare-fun {term} () (_ BitVec {width}))");
+        self.lines.push(format!("(declare-fun {term} () (_ BitVec {width}))"));
         term
     }
 
@@ -43,7 +56,7 @@ impl Script {
             return term;
         }
         let term = self.next(width);
-        let _ = writeln!(self.definitions, "(define-fun {term} () (_ BitVec {width}) {expression})");
+        self.lines.push(format!("(define-fun {term} () (_ BitVec {width}) {expression})"));
         self.terms.insert(expression, term);
         term
     }
@@ -71,12 +84,24 @@ impl Script {
 
     /// A condition that holds.
     pub fn assume(&mut self, condition: &str) {
-        let _ = writeln!(self.definitions, "(assert {condition})");
+        self.lines.push(format!("(assert {condition})"));
     }
 
     /// A constant.
     pub fn constant(&mut self, width: u32, value: u64) -> Term {
-        self.define(width, format!("(_ bv{value} {width})"))
+        self.wide_constant(width, value.into())
+    }
+
+    /// A constant of more bits.
+    pub fn wide_constant(&mut self, width: u32, value: BigUint) -> Term {
+        let term = self.define(width, format!("(_ bv{value} {width})"));
+        self.known.insert(term, value);
+        term
+    }
+
+    /// The value of a term, if it is a constant.
+    pub fn known(&self, term: Term) -> Option<&BigUint> {
+        self.known.get(&term)
     }
 
     /// One bit: whether a condition holds.
@@ -90,12 +115,40 @@ impl Script {
         self.define(width, format!("({name}{operands})"))
     }
 
-    /// The bits `high` to `low` of a term.
-    pub fn slice(&mut self, term: Term, high: u32, low: u32) -> Term {
+    /// The bits `high` to `low` of a term, or of the part of it that has them all.
+    pub fn slice(&mut self, mut term: Term, mut high: u32, mut low: u32) -> Term {
+        while let Some(&parts) = self.made_of.get(&term) {
+            let (part, begin) = match parts {
+                Parts::Slice(of, from) => {
+                    (high, low) = (high + from, low + from);
+                    (of, 0)
+                }
+                Parts::Concatenation(_, lower) if high < lower.width => (lower, 0),
+                Parts::Concatenation(upper, lower) if low >= lower.width => (upper, lower.width),
+                Parts::Concatenation(..) => break,
+            };
+            (term, high, low) = (part, high - begin, low - begin);
+        }
         if (high, low) == (term.width - 1, 0) {
             return term;
         }
-        self.define(high - low + 1, format!("((_ extract {high} {low}) {term})"))
+        let slice = self.define(high - low + 1, format!("((_ extract {high} {low}) {term})"));
+        self.made_of.insert(slice, Parts::Slice(term, low));
+        slice
+    }
+
+    /// Two terms behind each other. Neighbouring slices of a term are one slice.
+    pub fn concatenate(&mut self, upper: Term, lower: Term) -> Term {
+        if let (Some(&Parts::Slice(of, from)), Some(&Parts::Slice(same, low))) =
+            (self.made_of.get(&upper), self.made_of.get(&lower))
+            && of == same
+            && from == low + lower.width
+        {
+            return self.slice(of, from + upper.width - 1, low);
+        }
+        let both = self.operator(upper.width + lower.width, "concat", &[upper, lower]);
+        self.made_of.insert(both, Parts::Concatenation(upper, lower));
+        both
     }
 
     /// One of two terms.
@@ -105,7 +158,7 @@ impl Script {
 
     /// The question whether one of the pairs can differ; its answer `unsat` means that none can.
     pub fn differs(&self, pairs: &[(String, Term, Term)]) -> String {
-        let mut text = self.text();
+        let mut text = self.text(pairs.iter().flat_map(|(_, actual, expected)| [*actual, *expected]));
         // Bitwuzla refuses an `or` of one term.
         let mut all = " false".to_string();
         for (number, (_, actual, expected)) in pairs.iter().enumerate() {
@@ -117,21 +170,41 @@ impl Script {
 
     /// The question whether all assumptions can hold together.
     pub fn holds(&self) -> String {
-        self.text() + "(check-sat)\n"
+        self.text([]) + "(check-sat)\n"
     }
 
-    /// The declarations, definitions and assumptions.
-    fn text(&self) -> String {
+    /// The assumptions, and the definitions that they or these terms need.
+    fn text(&self, terms: impl IntoIterator<Item = Term>) -> String {
+        let mut needed: HashSet<u32> = terms.into_iter().map(|term| term.number).collect();
+        let mut lines: Vec<&str> = Vec::new();
+        for line in self.lines.iter().rev() {
+            let mut terms = line.split([' ', '(', ')']).filter_map(term_number);
+            let is_assumption = line.starts_with("(assert");
+            if is_assumption || terms.next().is_some_and(|defined| needed.contains(&defined)) {
+                needed.extend(line.split([' ', '(', ')']).filter_map(term_number));
+                lines.push(line);
+            }
+        }
+
         let mut text = "(set-logic QF_UFBV)\n".to_string();
         for (name, (operands, width)) in &self.functions {
             let operands: Vec<String> = operands.iter().map(|width| format!("(_ BitVec {width})")).collect();
             let _ = writeln!(text, "(declare-fun |{name}| ({}) (_ BitVec {width}))", operands.join(" "));
         }
-        text + &self.definitions
+        for line in lines.into_iter().rev() {
+            text += line;
+            text.push('\n');
+        }
+        text
     }
 
     fn next(&mut self, width: u32) -> Term {
         self.count += 1;
         Term { number: self.count, width }
     }
+}
+
+/// The number of a term in a script.
+fn term_number(word: &str) -> Option<u32> {
+    word.strip_prefix('t')?.parse().ok()
 }

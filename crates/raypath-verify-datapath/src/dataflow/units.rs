@@ -5,6 +5,7 @@ use super::design::{Design, UnitModule};
 use super::script::{Script, Term};
 use raypath_float::Format;
 use raypath_ops::{Narrowing, RESIDUE_BITS};
+use std::collections::BTreeMap;
 
 /// The units of a design.
 #[derive(Clone, Copy)]
@@ -20,6 +21,9 @@ pub(super) struct Units<'d> {
     /// NaNs at the ports have the sign 0.
     pub positive_nans: bool,
 }
+
+/// What the names of multipliers begin with.
+const MULTIPLIERS: [&str; 3] = ["mul", "mul_inferred", "mul_dsp"];
 
 /// The results of a unit of two operands.
 pub(super) struct Results {
@@ -46,7 +50,7 @@ impl Units<'_> {
     /// The residue of a product. Multipliers with a residue have the products of the others.
     pub fn residue(&self, script: &mut Script, a: Term, b: Term) -> Term {
         let ports = [("a", a), ("b", b)];
-        for stem in ["mul", "mul_inferred"] {
+        for stem in MULTIPLIERS {
             let with_residue = format!("{stem}_residue");
             if let Some(residue) = self.apply(script, &with_residue, &ports, "residue") {
                 let exchanged = self.apply(script, &with_residue, &[("a", b), ("b", a)], "residue");
@@ -68,7 +72,7 @@ impl Units<'_> {
     pub fn converted(&self, script: &mut Script, conversion: Conversion, operand: Term) -> Term {
         let name = conversion.module(self.format);
         let (port_in, port_out) = conversion.ports();
-        let result = self.chain(script, &self.modules(|module| module == name), &[(port_in, operand)], port_out);
+        let result = self.chain(script, &self.modules(&[name]), &[(port_in, operand)], port_out);
         let Some(result) = result else {
             let result = conversion.definition(script, self.format, operand);
             self.is_kept(script, result);
@@ -88,7 +92,7 @@ impl Units<'_> {
         let dropped = self.format.significand() - to.bits;
         let short = [a, b].map(|operand| script.slice(operand, operand.width - 1, dropped));
         let stem = format!("raypath_fp_mul_{}_s{1}_s{1}_{2}", self.layout(), to.bits, direction_name(to.direction));
-        let modules = self.modules(|module| module == stem || module.starts_with(&format!("{stem}_part_")));
+        let modules = self.modules(&[stem]);
         for [a, b] in [short, [short[1], short[0]]] {
             if let Some(product) = self.chain(script, &modules, &[("a", a), ("b", b)], "product") {
                 let product = self.padded(script, product);
@@ -100,9 +104,8 @@ impl Units<'_> {
     /// What is known of a multiplier by a short factor of `bits` bits, `b`: its product is that of the full one.
     pub fn product_by_short(&self, script: &mut Script, a: Term, (b, bits): (Term, u32), product: Term) {
         let layout = self.layout();
-        let stems = ["mul", "mul_inferred"].map(|unit| format!("raypath_fp_{unit}_{layout}_by_s{bits}"));
-        let modules = self
-            .modules(|module| stems.iter().any(|stem| module == stem || module.starts_with(&format!("{stem}_part_"))));
+        let stems = MULTIPLIERS.map(|unit| format!("raypath_fp_{unit}_{layout}_by_s{bits}"));
+        let modules = self.modules(&stems);
         let short = script.slice(b, b.width - 1, self.format.significand() - bits);
         if let Some(by_short) = self.chain(script, &modules, &[("a", a), ("b", short)], "product") {
             script.assume(&format!("(= {by_short} {product})"));
@@ -113,7 +116,7 @@ impl Units<'_> {
     /// such a unit.
     pub fn compare(&self, script: &mut Script, a: Term, b: Term, bits: u32) -> [Term; 3] {
         let dropped = self.format.significand() - bits;
-        let narrow = self.modules(|module| module == format!("raypath_fp_compare_e{}s{bits}", self.format.exponent()));
+        let narrow = self.modules(&[format!("raypath_fp_compare_e{}s{bits}", self.format.exponent())]);
         let is_short = !narrow.is_empty() && dropped > 0;
         let (modules, [a, b]) = match is_short {
             true => (narrow, [a, b].map(|operand| script.slice(operand, operand.width - 1, dropped))),
@@ -186,7 +189,7 @@ impl Units<'_> {
         let decoded = self.apply(script, "decode", &[("recoded", value)], "ieee");
         let decoded = decoded.unwrap_or_else(|| script.free(width));
         let dropped = self.format.significand() - bits;
-        let modules = self.modules(|module| module == self.short_decoder(bits) && dropped > 0);
+        let modules = if dropped > 0 { self.modules(&[self.short_decoder(bits)]) } else { Vec::new() };
         let short = script.slice(value, value.width - 1, dropped);
         if let Some(short) = self.chain(script, &modules, &[("recoded", short)], "ieee") {
             let zeros = script.constant(dropped, 0);
@@ -199,8 +202,8 @@ impl Units<'_> {
     /// numbers, which gives what the full one does.
     pub fn is_short(&self, script: &mut Script, number: Term, bits: u32) {
         if self.ieee_registers {
-            let decoders = (bits..self.format.significand())
-                .filter(|bits| !self.modules(|module| module == self.short_decoder(*bits)).is_empty());
+            let decoders =
+                (bits..self.format.significand()).filter(|bits| !self.modules(&[self.short_decoder(*bits)]).is_empty());
             for bits in decoders {
                 self.decoded(script, number, bits, self.format.ieee_width());
             }
@@ -340,12 +343,11 @@ impl Units<'_> {
         let mut values: Vec<(String, Term)> = operands.iter().map(|(name, term)| (name.to_string(), *term)).collect();
         for (module, ports) in parts {
             let find = |name: &str| values.iter().rev().find(|(known, _)| known == name).map(|(_, term)| *term);
-            let operands = ports.inputs.iter().map(|(name, _)| find(name)).collect::<Option<Vec<Term>>>()?;
-            let outputs = ports
-                .outputs
-                .iter()
-                .map(|(name, width)| (name.clone(), unit_output(script, module, name, &operands, *width)));
-            let outputs: Vec<(String, Term)> = outputs.collect();
+            let mut outputs: Vec<(String, Term)> = Vec::new();
+            for (name, width) in &ports.outputs {
+                let operands = ports.operands(name).map(find).collect::<Option<Vec<Term>>>()?;
+                outputs.push((name.clone(), unit_output(script, module, name, &operands, *width)));
+            }
             values.extend(outputs);
         }
         let is_operand = |index: usize| index < operands.len();
@@ -360,17 +362,18 @@ impl Units<'_> {
     /// The modules of a unit of the format, whole or in parts.
     fn named(&self, stem: &str) -> Vec<(&str, &UnitModule)> {
         let layout = self.layout();
-        let variants = ["", "_flags", "_inferred", "_inferred_flags"];
-        let whole = variants.map(|variant| format!("raypath_fp_{stem}{variant}_{layout}"));
-        self.modules(|module| {
-            whole.iter().any(|whole| module == whole || module.starts_with(&format!("{whole}_part_")))
-        })
+        let variants = ["", "_flags", "_inferred", "_inferred_flags", "_dsp", "_dsp_flags"];
+        self.modules(&variants.map(|variant| format!("raypath_fp_{stem}{variant}_{layout}")))
     }
 
-    /// Modules by name. The names of parts end in their numbers, which have one digit, so that they come in order.
-    fn modules(&self, is_wanted: impl Fn(&str) -> bool) -> Vec<(&str, &UnitModule)> {
-        let modules = self.design.modules.iter().map(|(name, ports)| (name.as_str(), ports));
-        modules.filter(|(name, _)| is_wanted(name)).collect()
+    /// The modules of units with these names, whole or in parts, which come in their order.
+    fn modules(&self, names: &[String]) -> Vec<(&str, &UnitModule)> {
+        let all = self.design.modules.iter().filter_map(|(name, ports)| {
+            let (unit, part) = name.split_once("_part_").unwrap_or((name, "1_of_1"));
+            let number: u32 = part.split_once('_')?.0.parse().ok()?;
+            names.iter().any(|name| name == unit).then_some(((unit, number), (name.as_str(), ports)))
+        });
+        all.collect::<BTreeMap<_, _>>().into_values().collect()
     }
 
     fn layout(&self) -> String {
