@@ -69,15 +69,17 @@ impl Script {
         self.define(width, format!("(|{function}|{operands})"))
     }
 
-    /// The value of a function that may be any function which does not depend on the order of its operands.
+    /// The value of a function that may be any function which does not depend on the order of its operands. Functions of
+    /// one `family` have the same operands, as the outputs of a unit do.
     ///
     /// It is a function of the sum of the operands' weights, which are any function of an operand. That is no
     /// restriction: a script has a few hundred lists of operands at most, and for random weights the probability that
     /// two different lists have the same sum is less than 2^-[`WEIGHT`] times the number of pairs of lists, times their
     /// length. So there are weights for which all sums differ.
-    pub fn apply_to_all(&mut self, function: &str, operands: &[Term], width: u32) -> Term {
-        let weight = format!("weight of {function}");
-        let weights: Vec<Term> = operands.iter().map(|&operand| self.apply(&weight, &[operand], WEIGHT)).collect();
+    pub fn apply_to_all(&mut self, family: &str, function: &str, operands: &[Term], width: u32) -> Term {
+        let weight = format!("weight of {family}");
+        let mut weights: Vec<Term> = operands.iter().map(|&operand| self.apply(&weight, &[operand], WEIGHT)).collect();
+        weights.sort();
         let sum = self.operator(WEIGHT, "bvadd", &weights);
         self.apply(function, &[sum], width)
     }

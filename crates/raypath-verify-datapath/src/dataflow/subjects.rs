@@ -48,6 +48,8 @@ pub(super) fn chosen(level: Level) -> Result<Vec<ProvedDatapath>, Error> {
     let small = Config::DEFAULT.lanes(Lanes::Two);
     let features = small.barycentrics(true).culling(Culling::None).facing(true).range(true).tag(7);
     if level == Level::Regression {
+        // With a memory at the exit.
+        let deep = small.lanes(Lanes::None).control(Control::Credit).unit_latency(UnitLatency { sums: 5, products: 4 });
         return Ok(vec![
             plain(Config::DEFAULT),
             plain(small.control(Control::Credit).rules(Rules::Chisel)),
@@ -56,6 +58,7 @@ pub(super) fn chosen(level: Level) -> Result<Vec<ProvedDatapath>, Error> {
             plain(small.units(UnitSharing::Disjoint).exception_flags(true).accumulators(Accumulators::Four)),
             plain(features.multiplier(Multiplier::Inferred).exception_flags(true).unit_latency(UnitLatency::TWO)),
             plain(small.lanes(Lanes::None).rules(Rules::Bounds(BoxBits::DEFAULT))),
+            plain(deep.multiplier(Multiplier::Dsp).delay_lines(4)),
             with(small, quantised_box::QuantisedBox::NAME),
         ]);
     }

@@ -32,36 +32,36 @@ pub(super) struct Results {
 }
 
 impl Units<'_> {
-    /// A sum or a product. The order of the operands does not matter.
+    /// A sum or a product. The order of the operands does not matter, and a multiplier with a residue has the products of
+    /// the others.
     pub fn binary(&self, script: &mut Script, stem: &str, a: Term, b: Term, output: &str) -> Results {
+        let orders = [[("a", a), ("b", b)], [("a", b), ("b", a)]];
         let commutative = |script: &mut Script, output: &str| {
-            let result = self.apply(script, stem, &[("a", a), ("b", b)], output)?;
-            let exchanged = self.apply(script, stem, &[("a", b), ("b", a)], output)?;
+            let [result, exchanged] = orders.map(|operands| self.apply(script, stem, &operands, output));
+            let (result, exchanged) = result.zip(exchanged)?;
             script.assume(&format!("(= {result} {exchanged})"));
             Some(result)
         };
         let number = commutative(script, output).unwrap_or_else(|| script.free(self.format.recoded_width()));
         let exceptions = commutative(script, "flags");
+        if stem == "mul" {
+            for (multiplier, operands) in MULTIPLIERS.iter().flat_map(|multiplier| orders.map(|of| (multiplier, of))) {
+                if let Some(same) = self.apply(script, &format!("{multiplier}_residue"), &operands, output) {
+                    script.assume(&format!("(= {same} {number})"));
+                }
+            }
+        }
         self.is_canonical(script, number);
         self.keeps_nan(script, &[a, b], number);
         Results { number, exceptions }
     }
 
-    /// The residue of a product. Multipliers with a residue have the products of the others.
+    /// The residue of a product.
     pub fn residue(&self, script: &mut Script, a: Term, b: Term) -> Term {
-        let ports = [("a", a), ("b", b)];
-        for stem in MULTIPLIERS {
-            let with_residue = format!("{stem}_residue");
-            if let Some(residue) = self.apply(script, &with_residue, &ports, "residue") {
-                let exchanged = self.apply(script, &with_residue, &[("a", b), ("b", a)], "residue");
+        for stem in MULTIPLIERS.map(|multiplier| format!("{multiplier}_residue")) {
+            if let Some(residue) = self.apply(script, &stem, &[("a", a), ("b", b)], "residue") {
+                let exchanged = self.apply(script, &stem, &[("a", b), ("b", a)], "residue");
                 exchanged.into_iter().for_each(|other| script.assume(&format!("(= {residue} {other})")));
-                for ports in [ports, [("a", b), ("b", a)]] {
-                    let product = self.apply(script, "mul", &ports, "product");
-                    let same = self.apply(script, &with_residue, &ports, "product");
-                    if let (Some(product), Some(same)) = (product, same) {
-                        script.assume(&format!("(= {product} {same})"));
-                    }
-                }
                 return residue;
             }
         }
@@ -389,7 +389,7 @@ pub(super) fn unit_output(script: &mut Script, module: &str, output: &str, opera
     let name = format!("{module}.{output}");
     let is_first = !module.contains("_part_") || module.contains("_part_1_of_");
     match module.starts_with("raypath_fp_sum_") && is_first {
-        true => script.apply_to_all(&name, operands, width),
+        true => script.apply_to_all(module, &name, operands, width),
         false => script.apply(&name, operands, width),
     }
 }
@@ -398,4 +398,22 @@ pub(super) fn unit_output(script: &mut Script, module: &str, output: &str, opera
 fn is_nan(script: &mut Script, number: Term) -> String {
     let class = script.slice(number, number.width - 2, number.width - 4);
     format!("(= {class} #b111)")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_unit_come_in_their_order() {
+        let mut design = Design::default();
+        let names = (1..=10).map(|part| format!("raypath_fp_add_e8s24_part_{part}_of_10"));
+        let names: Vec<String> = names.chain(["raypath_fp_add_residue_e8s24".to_string()]).collect();
+        design.modules.extend(names.iter().map(|name| (name.clone(), UnitModule::default())));
+        let format = Format::BINARY32;
+        let units =
+            Units { design: &design, format, ieee_registers: false, states_classes: false, positive_nans: false };
+        let found: Vec<&str> = units.named("add").into_iter().map(|(name, _)| name).collect();
+        assert_eq!(found, names[..10]);
+    }
 }
