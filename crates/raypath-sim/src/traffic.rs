@@ -65,18 +65,18 @@ impl Traffic {
 
     /// Random handshake patterns of source and sink for this many cycles, for most seeds with resets in random cycles,
     /// and for many with withdrawn jobs. Afterwards the source always offers and the sink is always ready. Phases that
-    /// fill and drain a pipeline are so many times as long as those for 64 jobs, and resets as rare.
-    pub fn eventful(seed: u64, cycles: u32, times: u32) -> Self {
+    /// fill and drain a pipeline are `stretch` times as long as those for 64 jobs, and resets as many times rarer.
+    pub fn eventful(seed: u64, cycles: u32, stretch: u32) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let (source, sink) = (HandshakePattern::random(&mut rng, times), HandshakePattern::random(&mut rng, times));
+        let (source, sink) = (HandshakePattern::random(&mut rng, stretch), HandshakePattern::random(&mut rng, stretch));
         let mut one_of = |chances: [f64; 4]| chances[rng.random_range(0..chances.len())];
         let (resets, withdraws) = (one_of([0.0, 0.003, 0.01, 0.03]), one_of([0.0, 0.0, 0.02, 0.2]));
         // Beats of a sum, which wait for each other, fill a deep pipeline slowly.
         let (source, sink, resets) = match rng.random_ratio(1, 8) {
-            true => (HandshakePattern::Chance(0.5), HandshakePattern::bursts([60 * times, 600 * times]), 0.0),
+            true => (HandshakePattern::Chance(0.5), HandshakePattern::bursts([60 * stretch, 600 * stretch]), 0.0),
             false => (source, sink, resets),
         };
-        let (rng, resets) = (CloneableRng(rng), resets / f64::from(times));
+        let (rng, resets) = (CloneableRng(rng), resets / f64::from(stretch));
         let random = RandomTraffic { rng, source, sink, resets, withdraws, cycles_left: Some(cycles) };
         Self(Pattern::Random(Box::new(random)))
     }
@@ -162,9 +162,9 @@ const PROBABILITIES: [f64; 6] = [1.0, 0.9, 0.5, 0.1, 0.01, 0.0];
 const MAX_PHASE_CYCLES: u32 = 80;
 
 impl HandshakePattern {
-    /// Phases, so many times as long as those for a pipeline of 64 jobs.
-    fn phases(times: u32) -> Self {
-        Self::Phases { longest: MAX_PHASE_CYCLES * times, probability: 0.0, cycles_left: 0 }
+    /// Phases, `stretch` times as long as those for a pipeline of 64 jobs.
+    fn phases(stretch: u32) -> Self {
+        Self::Phases { longest: MAX_PHASE_CYCLES * stretch, probability: 0.0, cycles_left: 0 }
     }
 
     fn bursts(longest: [u32; 2]) -> Self {
@@ -172,17 +172,16 @@ impl HandshakePattern {
     }
 
     /// A random pattern. Patterns that keep the datapath busy are more likely than those that make it wait.
-    fn random(rng: &mut ChaCha8Rng, times: u32) -> Self {
-        let bursts = Self::bursts;
+    fn random(rng: &mut ChaCha8Rng, stretch: u32) -> Self {
         match rng.random_range(0..16) {
             0..=4 => Self::Always,
             5 => Self::Chance(0.01),
             6 | 7 => Self::Chance(0.5),
             8 => Self::Chance(0.9),
-            9 | 10 => bursts([12, 12]),
-            11 => bursts([40, 3]),
-            12 | 13 => bursts([60 * times, 120 * times]),
-            _ => Self::phases(times),
+            9 | 10 => Self::bursts([12, 12]),
+            11 => Self::bursts([40, 3]),
+            12 | 13 => Self::bursts([60 * stretch, 120 * stretch]),
+            _ => Self::phases(stretch),
         }
     }
 

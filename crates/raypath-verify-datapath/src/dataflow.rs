@@ -86,8 +86,7 @@ pub fn still_computes(config: Config, top: &Arc<Module>, limit: Duration) -> Res
     let (subject, stop) = (ProvedDatapath::from(config), &AtomicBool::new(false));
     let datapath = subject.elaborate()?;
     let top = with_enables(top);
-    let mut design = prover.design(&ModuleTexts::new(&top)?.with(top.name(), ""), top.name(), stop)?;
-    design.add_multipliers(&top)?;
+    let design = prover.design(&ModuleTexts::new(&top)?.with(top.name(), ""), &top, stop)?;
     for problem in subject.problems(&datapath, &design, true)? {
         if prover.failure(&problem, true, stop)?.is_some() {
             return Ok(false);
@@ -227,8 +226,7 @@ impl DataflowProver {
                 ToolError::unexpected("raypath", format!("no '{}' in {}", fault.from, fault.module), "it").into()
             );
         }
-        let mut design = self.design(&texts.with(top.name(), ""), top.name(), stop)?;
-        design.add_multipliers(&top)?;
+        let design = self.design(&texts.with(top.name(), ""), &top, stop)?;
         let mut problems = subject.problems(&datapath, &design, false)?;
         let conversions: BTreeSet<Conversion> =
             problems.iter().flat_map(|problem| problem.conversions.clone()).collect();
@@ -269,12 +267,13 @@ impl DataflowProver {
         let name = conversion.module(format);
         let modules = verilog::modules(datapath.top())?;
         let Some(module) = modules.iter().find(|module| module.name() == name) else { return Ok(None) };
-        let design = self.design(&verilog::text(module)?, &name, stop)?;
+        let design = self.design(&verilog::text(module)?, module, stop)?;
         Problem::conversion(&design, format, conversion).map(Some)
     }
 
-    /// Reads a text with Yosys.
-    fn design(&self, text: &str, top: &str, stop: &AtomicBool) -> Result<Design, Error> {
+    /// Reads a module's text with Yosys.
+    fn design(&self, text: &str, module: &Arc<Module>, stop: &AtomicBool) -> Result<Design, Error> {
+        let top = module.name();
         let folder = temporary_folder()?;
         let folder = folder.path();
         write(&folder.join("design.sv"), text)?;
@@ -282,7 +281,7 @@ impl DataflowProver {
         write(&folder.join("script"), &script)?;
         self.yosys.run(folder, "script", top, stop)?;
         let text = |name: &str| Ok::<_, Error>(String::from_utf8_lossy(&read(&folder.join(name))?).into_owned());
-        Design::read(&text("design.btor")?, &text("flat.json")?, top)
+        Design::read(&text("design.btor")?, &text("flat.json")?, module)
     }
 
     /// Asks Z3 about a problem. Returns why it is not proved, if it is not; for a fault without the outputs that differ.

@@ -103,7 +103,7 @@ struct CellOfNetlist {
 
 impl Design {
     /// Reads a design from Yosys's files: BTOR2 without the units, and JSON of the flat design with them.
-    pub fn read(btor: &str, json: &str, top: &str) -> Result<Self, Error> {
+    pub fn read(btor: &str, json: &str, top: &Arc<Module>) -> Result<Self, Error> {
         let mut design = Self::default();
         let mut widths: HashMap<Id, u32> = HashMap::new();
         for line in btor.lines() {
@@ -113,7 +113,8 @@ impl Design {
                 design.add(&words, &mut widths).ok_or_else(|| unexpected(line, "a line of BTOR2"))?;
             }
         }
-        design.add_units(json, top)?;
+        design.add_units(json, top.name())?;
+        design.add_multipliers(top)?;
         Ok(design)
     }
 
@@ -194,10 +195,7 @@ impl Design {
     }
 
     /// Adds which ports of the units below a module are those of multipliers with registers.
-    ///
-    /// # Errors
-    /// A unit has a combinational loop.
-    pub fn add_multipliers(&mut self, top: &Arc<Module>) -> Result<(), Error> {
+    fn add_multipliers(&mut self, top: &Arc<Module>) -> Result<(), Error> {
         for module in verilog::modules(top)?.iter().filter(|module| module.is_clocked()) {
             let Some(unit) = self.modules.get_mut(module.name()) else { continue };
             unit.factors = unit.inputs.iter().map(|(name, _)| name.clone()).collect();

@@ -180,10 +180,10 @@ impl Script {
         let mut needed: HashSet<u32> = terms.into_iter().map(|term| term.number).collect();
         let mut lines: Vec<&str> = Vec::new();
         for line in self.lines.iter().rev() {
-            let mut terms = line.split([' ', '(', ')']).filter_map(term_number);
+            let mut terms = line.split([' ', '(', ')']).filter_map(term_number).peekable();
             let is_assumption = line.starts_with("(assert");
-            if is_assumption || terms.next().is_some_and(|defined| needed.contains(&defined)) {
-                needed.extend(line.split([' ', '(', ')']).filter_map(term_number));
+            if is_assumption || terms.peek().is_some_and(|defined| needed.contains(defined)) {
+                needed.extend(terms);
                 lines.push(line);
             }
         }
